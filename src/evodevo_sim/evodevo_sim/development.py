@@ -1,0 +1,221 @@
+"""Growth from one cell (paper section 2.2): regulation, division, collision and adhesion, both variants of the model."""
+
+from __future__ import annotations
+
+from collections import namedtuple
+
+import numpy as np
+
+from ._jit import kernel
+from .gabriel import adjacency, gabriel_edges
+from .genome import INPUTS, OUTPUTS
+from .regulation import AXIS, CONTRACTION, DIVISION, EXPANSION, exchange, regulate
+
+REST = 1e-9  # a step that changes no concentration and no position by more is at rest
+_CLEAR = 0.05  # m, least distance of a new daughter from any cell
+_GOLDEN_ANGLE = 2.399963229728653
+
+# position (N, 2) m; table (rows, N) of concentrations, see `regulation`; edges (E, 2) of the graph; start, neighbour: its
+# adjacency lists; steps: regulation steps until all was at rest; past, delay: variant A's history and delays.
+Embryo = namedtuple("Embryo", "position table edges start neighbour steps past delay")
+
+
+@kernel
+def maternal(table, first_input, position, cells, length):
+    """Fill the clamped inputs: two maternal gradients of the position in the egg, and the constant."""
+    for i in range(cells):
+        for axis in range(2):
+            p = position[i, axis]
+            table[first_input + axis, i] = 0.5 + 0.5 * p / (length + abs(p))
+        table[first_input + 2, i] = 1.0
+
+
+@kernel
+def _divide(position, axis, table, units, cells, development):
+    """Let every cell whose division factor is high enough divide, in order of age.  Returns the new number of cells."""
+    now = cells
+    for i in range(cells):
+        if now >= development.max_cells:
+            break
+        if table[units + DIVISION, i] <= development.division_threshold:
+            continue
+        ax, ay = axis[i, 0], axis[i, 1]
+        for _ in range(8):
+            x, y = position[i, 0] + 0.5 * ax, position[i, 1] + 0.5 * ay
+            clear = True
+            for j in range(now):
+                clear = clear and (x - position[j, 0]) ** 2 + (y - position[j, 1]) ** 2 > _CLEAR**2
+            if clear:
+                break
+            c, s = np.cos(_GOLDEN_ANGLE), np.sin(_GOLDEN_ANGLE)
+            ax, ay = c * ax - s * ay, s * ax + c * ay
+        position[now, 0], position[now, 1] = x, y
+        turn = development.division_turn + development.axis_turn * table[units + AXIS, i]
+        c, s = np.cos(turn), np.sin(turn)
+        axis[i, 0], axis[i, 1] = c * ax - s * ay, s * ax + c * ay
+        axis[now, 0], axis[now, 1] = axis[i, 0], axis[i, 1]
+        table[units + DIVISION, i] = 0.0
+        for row in range(table.shape[0]):
+            table[row, now] = table[row, i]
+        now += 1
+    return now
+
+
+@kernel
+def _relax(position, cells, edges, count, development, shift):
+    """Push overlapping neighbours apart, pull separated ones together, once.  Returns the largest move of a coordinate."""
+    for i in range(cells):
+        shift[i, 0] = 0.0
+        shift[i, 1] = 0.0
+    for e in range(count):
+        i, j = edges[e, 0], edges[e, 1]
+        dx, dy = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
+        d = np.sqrt(dx * dx + dy * dy)
+        if d == 0.0 or d >= development.adhesion_range:
+            continue
+        share = 0.5 * (development.repulsion if d < 1.0 else development.adhesion) * (d - 1.0) / d
+        shift[i, 0] += share * dx
+        shift[i, 1] += share * dy
+        shift[j, 0] -= share * dx
+        shift[j, 1] -= share * dy
+    most = 0.0
+    for i in range(cells):
+        for axis in range(2):
+            position[i, axis] += shift[i, axis]
+            most = max(most, abs(shift[i, axis]))
+    return most
+
+
+@kernel
+def _metric_edges(position, cells, reach, edges):
+    """Variant A: all pairs within `reach`.  Returns their number, at most the length of `edges`."""
+    count = 0
+    for i in range(cells):
+        for j in range(i + 1, cells):
+            dx, dy = position[i, 0] - position[j, 0], position[i, 1] - position[j, 1]
+            if dx * dx + dy * dy < reach * reach and count < edges.shape[0]:
+                edges[count, 0] = i
+                edges[count, 1] = j
+                count += 1
+    return count
+
+
+@kernel
+def remember(network, table, past, step, cells):
+    """Variant A: keep the morphogens of this step.  past (delays, morphogens, cells) is a ring over steps."""
+    now = past[step % past.shape[0]]
+    for row, morphogen in enumerate(network.morphogens):
+        for i in range(cells):
+            now[row, i] = table[morphogen, i]
+
+
+@kernel
+def diffuse(network, table, past, step, delay, cells, morphogen_range):
+    """Variant A: a cell perceives c(t - d/v) / (1 + d/range) of every producer at distance d, itself included.
+
+    Args: delay (>= cells, >= cells, 2): steps, and the factor by distance.
+    """
+    length = past.shape[0]
+    for row, morphogen in enumerate(network.morphogens):
+        perceived = table[network.units + OUTPUTS + morphogen]
+        for i in range(cells):
+            total = 0.0
+            for j in range(cells):
+                total += past[(step - int(delay[i, j, 0])) % length, row, j] * delay[i, j, 1]
+            perceived[i] = total
+
+
+@kernel
+def _measure_delays(position, cells, development, longest, delay):
+    for i in range(cells):
+        for j in range(cells):
+            d = np.sqrt((position[i, 0] - position[j, 0]) ** 2 + (position[i, 1] - position[j, 1]) ** 2)
+            delay[i, j, 0] = min(np.floor(d / development.morphogen_speed), longest)
+            delay[i, j, 1] = 1.0 / (1.0 + d / development.morphogen_range)
+
+
+@kernel
+def grow(network, development, continual, history, activations, graphs):
+    """Grow an embryo from one cell.
+
+    Args:
+        network: of all four outputs.
+        development: DevelopmentArguments.
+        continual: whether the graph is kept up to date (variant B) or made at the end (variant A).
+        history, activations: (steps + 1, max_cells, 2) and (steps + 1, max_cells), NaN where there is no cell; empty
+            when nobody looks.
+        graphs: (steps + 1, 3 max_cells, 2) int64 edges of each step, filled up with -1; empty when nobody looks.
+
+    Returns: Embryo.
+    """
+    limit = development.max_cells
+    units = network.units
+    first_input = 2 * units + OUTPUTS
+    table = np.zeros((first_input + INPUTS, limit))
+    drive = np.empty((network.nodes.size, limit))
+    position = np.zeros((limit, 2))
+    axis = np.zeros((limit, 2))
+    axis[0, 0] = 1.0
+    shift = np.empty((limit, 2))
+    witness = np.zeros((limit, limit), np.int32)
+    edges = np.empty((3 * limit + 1 if continual else limit * (limit - 1) // 2 + 1, 2), np.int64)
+    start = np.zeros(limit + 1, np.int64)
+    neighbour = np.empty(2 * edges.shape[0], np.int64)
+    longest = 1 if continual else min(int(2.0 * limit / development.morphogen_speed) + 1, 255)
+    past = np.zeros((longest + 1, network.morphogens.size, 1 if continual else limit))
+    delay = np.zeros((1 if continual else limit, 1 if continual else limit, 2))
+
+    cells, count, moved, steps = 1, 0, True, development.steps
+    maternal(table, first_input, position, 1, development.maternal_length)
+    for step in range(development.steps):
+        if history.size:
+            history[step, :cells] = position[:cells]
+            for i in range(cells):
+                activations[step, i] = table[units + EXPANSION, i] - table[units + CONTRACTION, i]
+            graphs[step, :count] = edges[:count]
+        if not continual:
+            remember(network, table, past, step, cells)
+            if moved:
+                _measure_delays(position, cells, development, longest, delay)
+            diffuse(network, table, past, step, delay, cells, development.morphogen_range)
+        else:
+            exchange(network, table, start, neighbour, cells)
+        change = regulate(network, table, drive, cells, development.regulation_rate)
+        grown = _divide(position, axis, table, units, cells, development)
+        if not continual:
+            for row in range(past.shape[0]):
+                for i in range(cells, grown):  # a daughter remembers what its mother did
+                    past[row, :, i] = table[network.morphogens, i]
+        moved = moved or grown > cells
+        if moved:
+            if continual:
+                count = gabriel_edges(position, grown, witness, edges)
+                adjacency(edges, count, grown, start, neighbour)
+            else:
+                count = _metric_edges(position, grown, development.adhesion_range, edges)
+            most = 0.0
+            for _ in range(development.relaxations):
+                most = max(most, _relax(position, grown, edges, count, development, shift))
+            maternal(table, first_input, position, grown, development.maternal_length)
+            moved = most > REST
+        # Delays of variant A can hold a change back for `longest` steps, so it runs to the end.
+        if continual and not moved and change < REST and grown == cells:
+            steps = step + 1
+            break
+        cells = grown
+
+    planar = np.empty((3 * limit + 1, 2), np.int64)
+    count = gabriel_edges(position, cells, witness, planar)
+    adjacency(planar, count, cells, start, neighbour)
+    if not continual:
+        _measure_delays(position, cells, development, longest, delay)
+    if history.size:
+        for step in range(steps, development.steps + 1):
+            history[step, :cells] = position[:cells]
+            for i in range(cells):
+                activations[step, i] = table[units + EXPANSION, i] - table[units + CONTRACTION, i]
+            graphs[step, :count] = planar[:count]
+    return Embryo(
+        position[:cells].copy(), table[:, :cells].copy(), planar[:count].copy(), start[: cells + 1].copy(),
+        neighbour[: 2 * count].copy(), steps, past, delay,
+    )

@@ -1,0 +1,97 @@
+"""Linear genomes (paper section 2.1): genetic elements with a kind, a sign and a point in the plane of affinities."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+SPECIAL, REGULATORY, TRANSCRIPTION_FACTOR, MORPHOGEN = range(4)
+KINDS = ("special", "regulatory", "transcription_factor", "morphogen")
+
+INPUT_NAMES = ("maternal_x", "maternal_y", "constant", "scent")
+OUTPUT_NAMES = ("division", "axis", "expansion", "contraction")
+HEADER_NAMES = INPUT_NAMES + OUTPUT_NAMES
+INPUTS, OUTPUTS = len(INPUT_NAMES), len(OUTPUT_NAMES)
+HEADER = INPUTS + OUTPUTS
+MAX_ELEMENTS = 100_000
+MAX_COORDINATE = 1e6
+
+
+class GenomeError(ValueError):
+    """A malformed genome; the message says which element and how to mend it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Genome:
+    """Parallel read-only arrays, one entry per genetic element, the fixed header of special elements first.
+
+    Attributes: kind (E,) uint8, sign (E,) int8 of +1 and -1, x and y (E,) float64, dimensionless.
+    Raises GenomeError when made of anything else.
+    """
+
+    kind: np.ndarray
+    sign: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+
+    def __post_init__(self):
+        arrays = {}
+        for name, dtype in (("kind", np.uint8), ("sign", np.int8), ("x", np.float64), ("y", np.float64)):
+            try:
+                given = np.asarray(getattr(self, name))
+                arrays[name] = given.astype(dtype)
+            except (TypeError, ValueError):
+                raise GenomeError(f"genome: {name} holds something that is not a number") from None
+            if given.ndim != 1 or (dtype != np.float64 and not np.array_equal(arrays[name], given)):
+                raise GenomeError(f"genome: {name} must be a flat list of {'numbers' if dtype == np.float64 else 'small whole numbers'}")
+        _check(**arrays)
+        for name, array in arrays.items():
+            array.flags.writeable = False
+            object.__setattr__(self, name, array)
+
+    def __len__(self) -> int:
+        return self.kind.size
+
+    def __eq__(self, other) -> bool:
+        return isinstance(other, Genome) and self.key() == other.key()
+
+    def __hash__(self) -> int:
+        return hash(self.key())
+
+    def key(self) -> bytes:
+        """The genome as bytes: equal genomes, and only they, have equal keys."""
+        return self.kind.tobytes() + self.sign.tobytes() + self.x.tobytes() + self.y.tobytes()
+
+    def take(self, index) -> Genome:
+        """The genome of the elements at `index`, in that order."""
+        return Genome(self.kind[index], self.sign[index], self.x[index], self.y[index])
+
+    def arrays(self) -> tuple[np.ndarray, ...]:
+        """kind, sign, x, y: the first arguments of the kernels."""
+        return self.kind, self.sign, self.x, self.y
+
+
+def _check(kind, sign, x, y):
+    if not kind.size == sign.size == x.size == y.size:
+        raise GenomeError(f"genome: kind, sign, x and y have {kind.size}, {sign.size}, {x.size} and {y.size} entries: give equal numbers")
+    if kind.size < HEADER or kind.size > MAX_ELEMENTS:
+        raise GenomeError(f"genome: {kind.size} elements: give the {HEADER} special elements of the header, then up to {MAX_ELEMENTS} in all")
+    for bad, what in (
+        (kind >= len(KINDS), f"kind is unknown: use 0 to {len(KINDS) - 1}"),
+        (np.abs(sign) != 1, "sign is neither +1 nor -1"),
+        (~(np.abs(x) <= MAX_COORDINATE) | ~(np.abs(y) <= MAX_COORDINATE), f"point is not finite or beyond {MAX_COORDINATE:g}"),
+        ((kind == SPECIAL) != (np.arange(kind.size) < HEADER), f"special elements are the first {HEADER}, and only they"),
+    ):
+        if bad.any():
+            raise GenomeError(f"genome: element {np.flatnonzero(bad)[0]}: {what}")
+
+
+def random_genome(rng: np.random.Generator, units: int = 12, extent: float = 2.0) -> Genome:
+    """A random genome: `units` regulatory units of 1-2 regulatory elements and 1-2 genes, points uniform in [-extent, extent]^2."""
+    kind = [SPECIAL] * HEADER
+    for _ in range(units):
+        kind += [REGULATORY] * int(rng.integers(1, 3))
+        kind += [int(k) for k in rng.integers(TRANSCRIPTION_FACTOR, MORPHOGEN + 1, rng.integers(1, 3))]
+    points = rng.uniform(-extent, extent, (len(kind), 2))
+    return Genome(np.array(kind), rng.choice((-1, 1), len(kind)), points[:, 0], points[:, 1])

@@ -1,0 +1,130 @@
+"""Every number of the model that the paper leaves open, with its unit, default and range.
+
+The dataclasses mirror the messages of the same names in `evodevo_msgs`.  What was chosen, and the measurement that made us
+choose it, stands in `docs/model.md`.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections import namedtuple
+from dataclasses import dataclass, field
+
+VARIANTS = ("continual_graph", "graph_at_end")
+
+
+class ParameterError(ValueError):
+    """A setting that cannot work; the message names it, its value and what would."""
+
+
+def parameter(default, low, high, unit, meaning):
+    """A documented number of a parameter class, refused outside [low, high]."""
+    return field(default=default, metadata={"range": (low, high), "unit": unit, "meaning": meaning})
+
+
+class Checked:
+    """Gives every field its declared type and checks its range, so that kernels are compiled for one set of types only."""
+
+    def __post_init__(self):
+        for item in dataclasses.fields(self):
+            if "range" not in item.metadata:
+                continue
+            value = getattr(self, item.name)
+            low, high = item.metadata["range"]
+            where = f"{type(self).__name__.lower()}.{item.name}"
+            number = int if isinstance(item.default, int) else float
+            try:
+                converted = number(value)
+            except (TypeError, ValueError, OverflowError):
+                raise ParameterError(f"{where} is {value!r}: give a number from {low:g} to {high:g}") from None
+            if not math.isfinite(float(value)) or converted != value or not low <= converted <= high:
+                kind = "a whole number" if number is int else "a number"
+                raise ParameterError(f"{where} is {value!r}: give {kind} from {low:g} to {high:g} {item.metadata['unit']}".rstrip())
+            object.__setattr__(self, item.name, converted)
+
+    def arguments(self):
+        """The numeric fields as the named tuple that kernels take."""
+        names = ARGUMENTS[type(self)]._fields
+        return ARGUMENTS[type(self)](*(getattr(self, name) for name in names))
+
+
+@dataclass(frozen=True)
+class Development(Checked):
+    """Growth of the embryo (paper section 2.2)."""
+
+    variant: str = "continual_graph"
+    max_cells: int = parameter(32, 1, 4096, "", "hard limit on cells")
+    steps: int = parameter(400, 1, 100_000, "", "regulation steps of growth")
+    regulation_rate: float = parameter(0.1, 1e-6, 1.0, "", "share of the way to its target that a concentration goes in a step")
+    division_threshold: float = parameter(0.5, 0.01, 1.0, "", "division factor above which a cell divides")
+    division_turn: float = parameter(math.pi / 2, -math.pi, math.pi, "rad", "turn of the axis at each division")
+    axis_turn: float = parameter(math.pi, -math.tau, math.tau, "rad", "further turn for a full axis factor")
+    maternal_length: float = parameter(4.0, 1e-3, 1e6, "m", "distance over which a maternal signal goes from 1/2 to 3/4")
+    relaxations: int = parameter(2, 1, 100, "", "mechanical relaxations in a regulation step")
+    repulsion: float = parameter(0.3, 0.0, 0.5, "", "share of an overlap undone in one relaxation")
+    adhesion: float = parameter(0.1, 0.0, 0.5, "", "share of a gap closed in one relaxation")
+    adhesion_range: float = parameter(1.5, 1.0, 100.0, "m", "distance beyond which cells do not hold each other")
+    morphogen_range: float = parameter(1.0, 1e-3, 1e6, "m", "variant A: distance over which a morphogen falls to a half")
+    morphogen_speed: float = parameter(1.0, 0.05, 1e6, "m/step", "variant A: speed at which morphogens travel")
+
+    def __post_init__(self):
+        super().__post_init__()
+        if self.variant not in VARIANTS:
+            raise ParameterError(f"development.variant is {self.variant!r}: choose one of {', '.join(VARIANTS)}")
+
+
+@dataclass(frozen=True)
+class Material(Checked):
+    """The stuff of the body (paper section 2.3).  Lengths are in cell diameters, called metres; a cell weighs 1 kg."""
+
+    mass: float = parameter(1.0, 1e-6, 1e6, "kg", "mass of a cell")
+    stiffness: float = parameter(400.0, 1e-6, 1e9, "N/m", "of a spring, k")
+    damping: float = parameter(10.0, 0.0, 1e6, "N s/m", "of a spring, c_s")
+    pressure: float = parameter(400.0, 0.0, 1e9, "N/m", "chamber coefficient, c_p")
+
+
+@dataclass(frozen=True)
+class Scene(Checked):
+    """The world around the body.  A coefficient of 0 removes its term from the physics."""
+
+    drag_normal: float = parameter(100.0, 0.0, 1e6, "kg/m^2", "drag across an outline edge, d_N")
+    drag_tangential: float = parameter(0.5, 0.0, 1e6, "kg/m^2", "drag along an outline edge, d_T")
+
+
+@dataclass(frozen=True)
+class Task(Checked):
+    """What a genome is evaluated for: growth, then locomotion in a scene (paper section 4)."""
+
+    name: str = "swim"
+    development: Development = Development()
+    material: Material = Material()
+    scene: Scene = Scene()
+    control_steps: int = parameter(2000, 1, 10_000_000, "", "of locomotion, one regulation step each")
+    control_step: float = parameter(1 / 60, 1e-9, 1.0, "s", "duration of a control step")
+    windows: int = parameter(4, 1, 1000, "", "equal parts of the run of which the slowest counts")
+    activity_bonus: float = parameter(0.1, 0.0, 1e6, "m", "fitness for full muscle activity in the last half")
+
+    def __post_init__(self):
+        super().__post_init__()
+        if self.name not in TASKS:
+            raise ParameterError(f"task {self.name!r} is unknown: choose one of {', '.join(TASKS)}")
+        if self.control_steps % self.windows or self.control_steps < 2:
+            raise ParameterError(
+                f"task.control_steps is {self.control_steps}: give a multiple of the {self.windows} windows, 2 at the least"
+            )
+
+
+TASKS = ("swim",)
+
+
+def _argument_type(cls):
+    return namedtuple(f"{cls.__name__}Arguments", [f.name for f in dataclasses.fields(cls) if "range" in f.metadata])
+
+
+# At module level and by name, so that numba's disk cache finds the same types in every process.
+DevelopmentArguments = _argument_type(Development)
+MaterialArguments = _argument_type(Material)
+SceneArguments = _argument_type(Scene)
+TaskArguments = _argument_type(Task)
+ARGUMENTS = {Development: DevelopmentArguments, Material: MaterialArguments, Scene: SceneArguments, Task: TaskArguments}
