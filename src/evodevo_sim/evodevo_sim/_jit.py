@@ -1,14 +1,15 @@
 """Compilation of kernels: strict floating point, no GIL, cached on disk.
 
 Numba looks only at a function's own file when it decides whether a cached kernel is fresh, so a kernel would go on calling
-an old version of a helper in another file.  Here the cache directory is named by a hash of every source file of the package:
-any change anywhere compiles anew.
+an old version of a helper or constant in another file.  Here the cache directory is named by a hash of every file that
+holds a kernel and of all that those import: a change in any of them compiles anew.
 """
 
 from __future__ import annotations
 
 import hashlib
 import os
+import re
 import shutil
 import time
 from pathlib import Path
@@ -19,9 +20,22 @@ _ROOT = Path(__file__).resolve().parent
 _KEEP_DAYS = 7.0
 
 
+def kernel_sources() -> list[Path]:
+    """The files that compiled kernels depend on, in a fixed order; `parameters.py` among them, which makes argument types."""
+    text = {path.stem: path.read_text(encoding="utf-8") for path in _ROOT.glob("*.py")}
+    wanted = {name for name in text if "\n@kernel\n" in text[name]} | {"parameters"}
+    queue = list(wanted)
+    while queue:
+        for name in re.findall(r"^from \.(\w+) import", text[queue.pop()], re.MULTILINE):
+            if name in text and name not in wanted:
+                wanted.add(name)
+                queue.append(name)
+    return [_ROOT / f"{name}.py" for name in sorted(wanted)]
+
+
 def _sources_hash() -> str:
     digest = hashlib.sha256(numba.__version__.encode())
-    for path in sorted(_ROOT.glob("*.py")):
+    for path in kernel_sources():
         digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()[:16]
 

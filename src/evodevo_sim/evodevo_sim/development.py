@@ -9,9 +9,9 @@ import numpy as np
 from ._jit import kernel
 from .gabriel import adjacency, gabriel_edges
 from .genome import INPUTS, OUTPUTS
-from .regulation import AXIS, CONTRACTION, DIVISION, EXPANSION, exchange, regulate
+from .regulation import AXIS, CONTRACTION, DIVISION, EXPANSION, exchange, regulate, unrest
 
-REST = 1e-9  # a step that changes no concentration and no position by more is at rest
+REST = 1e-8  # concentrations this close to where they are driven, and steps that move no cell farther, are at rest
 _CLEAR = 0.05  # m, least distance of a new daughter from any cell
 _GOLDEN_ANGLE = 2.399963229728653
 
@@ -156,7 +156,7 @@ def grow(network, development, continual, history, activations, graphs):
     position = np.zeros((limit, 2))
     axis = np.zeros((limit, 2))
     axis[0, 0] = 1.0
-    shift = np.empty((limit, 2))
+    shift, share = np.empty((limit, 2)), np.empty(limit)
     witness = np.zeros((limit, limit), np.int32)
     edges = np.empty((3 * limit + 1 if continual else limit * (limit - 1) // 2 + 1, 2), np.int64)
     start = np.zeros(limit + 1, np.int64)
@@ -179,8 +179,8 @@ def grow(network, development, continual, history, activations, graphs):
                 _measure_delays(position, cells, development, longest, delay)
             diffuse(network, table, past, step, delay, cells, development.morphogen_range)
         else:
-            exchange(network, table, start, neighbour, cells)
-        change = regulate(network, table, drive, cells, development.regulation_rate)
+            exchange(network, table, start, neighbour, cells, share)
+        regulate(network, table, drive, cells, development.regulation_rate)
         grown = _divide(position, axis, table, units, cells, development)
         if not continual:
             for row in range(past.shape[0]):
@@ -199,7 +199,7 @@ def grow(network, development, continual, history, activations, graphs):
             maternal(table, first_input, position, grown, development.maternal_length)
             moved = most > REST
         # Delays of variant A can hold a change back for `longest` steps, so it runs to the end.
-        if continual and not moved and change < REST and grown == cells:
+        if continual and not moved and grown == cells and unrest(network, table, drive, cells) < REST:
             steps = step + 1
             break
         cells = grown

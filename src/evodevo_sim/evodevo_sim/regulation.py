@@ -38,13 +38,14 @@ def activation(a):
 
     Within 4e-7 of tanh everywhere, and never above 1.
     """
-    if a <= 0.0:
-        return 0.0
-    x = min(0.5 * a, 7.5)
+    x = 0.5 * a
+    x = x if x > 0.0 else 0.0
+    x = x if x < 7.5 else 7.5
     s = x * x
     top = x * (34459425.0 + s * (4729725.0 + s * (135135.0 + s * (990.0 + s))))
     bottom = 34459425.0 + s * (16216200.0 + s * (945945.0 + s * (13860.0 + s * 45.0)))
-    return min(top / bottom, 1.0)
+    ratio = top / bottom
+    return ratio if ratio < 1.0 else 1.0
 
 
 @kernel
@@ -145,7 +146,7 @@ def regulate(network, table, drive, cells, rate):
     """One synchronous regulation step of every cell, c <- c + h (activation(A) - c).
 
     Args: table (rows, >= cells) with perceived morphogens and inputs filled in; drive: scratch of the same width with a row
-    per node; rate: h.  Returns: the largest change of a concentration, the measure of rest.
+    per node, left holding activation(A); rate: h.
     """
     nodes, start = network.nodes, network.start
     for row in range(nodes.size):
@@ -157,29 +158,38 @@ def regulate(network, table, drive, cells, rate):
             c = table[network.source[entry]]
             for i in range(cells):
                 a[i] += w * c[i]
-    most = 0.0
+        for i in range(cells):
+            a[i] = activation(a[i])
     for row in range(nodes.size):
         a = drive[row]
         c = table[nodes[row]]
         for i in range(cells):
-            change = rate * (activation(a[i]) - c[i])
-            c[i] += change
-            most = max(most, abs(change))
+            c[i] += rate * (a[i] - c[i])
+
+
+@kernel
+def unrest(network, table, drive, cells):
+    """How far concentrations are from where the last `regulate` drove them, at the most: 0 at a fixed point."""
+    most = 0.0
+    for row in range(network.nodes.size):
+        for i in range(cells):
+            most = max(most, abs(drive[row, i] - table[network.nodes[row], i]))
     return most
 
 
 @kernel
-def exchange(network, table, start, neighbour, cells):
+def exchange(network, table, start, neighbour, cells, share):
     """Variant B: every cell shares each morphogen equally among its graph neighbours, so the total is conserved.
 
-    Args: start (cells + 1,), neighbour: adjacency lists of the graph.
+    Args: start (cells + 1,), neighbour: adjacency lists of the graph; share (>= cells,): scratch.
     """
     for morphogen in network.morphogens:
         c = table[morphogen]
         perceived = table[network.units + OUTPUTS + morphogen]
         for i in range(cells):
+            share[i] = c[i] / (start[i + 1] - start[i])
+        for i in range(cells):
             total = 0.0
             for k in range(start[i], start[i + 1]):
-                j = neighbour[k]
-                total += c[j] / (start[j + 1] - start[j])
+                total += share[neighbour[k]]
             perceived[i] = total

@@ -14,7 +14,7 @@ from ._jit import kernel
 from .body import build_body
 from .development import REST, diffuse, grow, remember
 from .physics import INVERTED, SOUND, accelerations, advance, choose_substeps, make_law, make_scratch, set_rest_lengths, settle
-from .regulation import CONTRACTION, EXPANSION, exchange, express, prune, regulate
+from .regulation import CONTRACTION, EXPANSION, exchange, express, prune, regulate, unrest
 
 OK, NO_GROWTH, NO_CHAMBER, RESTING, UNSTABLE_PHYSICS, INVERTED_CHAMBER = range(6)
 SETTLE_TOLERANCE = 1e-3  # m/s^2
@@ -88,7 +88,8 @@ def swim(genome, task, development, continual, material, scene, given_inputs, tr
     table, past, delay = embryo.table, embryo.past, embryo.delay
     drive = np.empty((network.nodes.size, cells))
     position, velocity, rest = body.position.copy(), np.zeros((cells, 2)), np.empty(springs)
-    muscle, low, high = np.empty(cells), np.full(cells, np.inf), np.full(cells, -np.inf)
+    muscle, share = np.empty(cells), np.empty(cells)
+    low, high = np.full(cells, np.inf), np.full(cells, -np.inf)
     e, c = table[units + EXPANSION], table[units + CONTRACTION]
     if not continual:
         past = _keep_read(past, weights, units, given_inputs, network)
@@ -108,12 +109,12 @@ def swim(genome, task, development, continual, material, scene, given_inputs, tr
             track[step, :cells, 2:] = velocity
             traces[step, :cells] = muscle
         if continual:
-            exchange(network, table, embryo.start, embryo.neighbour, cells)
+            exchange(network, table, embryo.start, embryo.neighbour, cells, share)
         else:
             now = embryo.steps + step
             remember(network, table, past, now, cells)
             diffuse(network, table, past, now, delay, cells, development.morphogen_range)
-        change = regulate(network, table, drive, cells, development.regulation_rate)
+        regulate(network, table, drive, cells, development.regulation_rate)
         for i in range(cells):
             muscle[i] = e[i] - c[i]
         set_rest_lengths(body, muscle, rest)
@@ -131,9 +132,10 @@ def swim(genome, task, development, continual, material, scene, given_inputs, tr
             path[step // window] = centre_of_mass(position, body.inverse_mass)
         if step == half:
             middle[0], middle[1] = centre_of_mass(position, body.inverse_mass)
-        if change < REST and step % _LOOK == 0 and continual and _rests(body, law, rest, position, velocity, scratch):
-            status = RESTING
-            break
+        if continual and step % _LOOK == 0 and unrest(network, table, drive, cells) < REST:
+            if _rests(body, law, rest, position, velocity, scratch):
+                status = RESTING
+                break
     if status == RESTING:
         for w in range(step // window + 1, task.windows + 1):
             path[w] = centre_of_mass(position, body.inverse_mass)
