@@ -1,0 +1,115 @@
+"""Between the library's objects and `evodevo_msgs`, without losing a bit.
+
+Dataclasses and messages of one name have fields of the same names, so Task, Metrics and what is nested in them are converted
+by walking their fields: a new field needs a line in the dataclass and one in the `.msg`, and nothing here.
+"""
+
+from __future__ import annotations
+
+from array import array
+from dataclasses import fields, is_dataclass
+
+import numpy as np
+from builtin_interfaces.msg import Time
+from evodevo_msgs import msg
+from std_msgs.msg import Header
+
+from .evaluation import Evaluation, Metrics, Status
+from .genome import Genome
+from .parameters import Task
+
+
+def task_message(task: Task) -> msg.Task:
+    """The message of a task."""
+    return _message(task)
+
+
+def task_from_message(message: msg.Task) -> Task:
+    """The task of a message.  Raises ParameterError that names the setting and what would work."""
+    return _object(Task, message)
+
+
+def genome_message(genome: Genome) -> msg.Genome:
+    """The message of a genome."""
+    return msg.Genome(
+        kind=_array("B", genome.kind), sign=_array("b", genome.sign), x=_array("d", genome.x), y=_array("d", genome.y)
+    )
+
+
+def genome_from_message(message: msg.Genome) -> Genome:
+    """The genome of a message.  Raises GenomeError that names the element and how to mend it."""
+    return Genome(message.kind, message.sign, message.x, message.y)
+
+
+def evaluation_message(evaluation: Evaluation) -> msg.Evaluation:
+    """The message of an evaluation."""
+    return msg.Evaluation(
+        fitness=evaluation.fitness, status=int(evaluation.status), cause=evaluation.cause, metrics=_message(evaluation.metrics)
+    )
+
+
+def evaluation_from_message(message: msg.Evaluation) -> Evaluation:
+    """The evaluation of a message.  Raises ValueError where its status is unknown."""
+    return Evaluation(message.fitness, Status(message.status), message.cause, _object(Metrics, message.metrics))
+
+
+def time_message(seconds: float) -> Time:
+    """Seconds as a stamp, rounded to the nanosecond."""
+    sec, nanosec = divmod(round(seconds * 1e9), 10**9)
+    return Time(sec=sec, nanosec=nanosec)
+
+
+def cell_states_message(position, velocity, activation, step: int, stamp: float, frame: str = "world") -> msg.CellStates:
+    """All cells at one instant.
+
+    Args: position (N, 2) m; velocity (N, 2) m/s; activation (N,) of e - c; step: control step; stamp: simulated s.
+    """
+    return msg.CellStates(
+        header=Header(stamp=time_message(stamp), frame_id=frame),
+        step=step,
+        position_x=_array("d", position[:, 0]),
+        position_y=_array("d", position[:, 1]),
+        velocity_x=_array("d", velocity[:, 0]),
+        velocity_y=_array("d", velocity[:, 1]),
+        activation=_array("d", activation),
+    )
+
+
+def body_message(body, frame: str = "world", stamp: float = 0.0) -> msg.Body:
+    """The message of a `body.Body`: chambers are its triangles, then its polygons."""
+    spring_a = np.repeat(np.arange(len(body.position)), np.diff(body.spring_start))
+    triangles = len(body.triangle)
+    chamber_start = np.concatenate((3 * np.arange(triangles), 3 * triangles + body.polygon_start.astype(np.int64)))
+    return msg.Body(
+        header=Header(stamp=time_message(stamp), frame_id=frame),
+        cells=len(body.position),
+        spring_a=_array("I", spring_a),
+        spring_b=_array("I", body.spring_end),
+        rest_length=_array("d", body.rest_length),
+        chamber_start=_array("I", chamber_start),
+        chamber_cell=_array("I", np.concatenate((body.triangle.ravel(), body.polygon_cell))),
+        chamber_area=_array("d", np.concatenate((body.triangle_area, body.polygon_area))),
+        outline_a=_array("I", body.outline[:, 0]),
+        outline_b=_array("I", body.outline[:, 1]),
+    )
+
+
+def _array(typecode, values):
+    """What a message's array field takes without looking at every entry."""
+    return array(typecode, np.asarray(values, typecode).tobytes())
+
+
+def _message(value):
+    """The message of a dataclass of the same name, nested ones with it."""
+    cls = getattr(msg, type(value).__name__)
+    given = ((field.name, getattr(value, field.name)) for field in fields(value))
+    return cls(**{name: _message(item) if is_dataclass(item) else item for name, item in given})
+
+
+def _object(cls, message):
+    """The dataclass of a message of the same name; fields that are dataclasses themselves are told by their defaults."""
+    return cls(**{
+        field.name: _object(type(field.default), getattr(message, field.name))
+        if is_dataclass(field.default) else getattr(message, field.name)
+        for field in fields(cls)
+    })
