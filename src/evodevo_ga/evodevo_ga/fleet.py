@@ -1,0 +1,153 @@
+"""Simulator nodes as one evaluator: finds them on the graph or starts them, and shares a generation's genomes among them."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections import deque
+from dataclasses import dataclass
+
+from evodevo_msgs.srv import Evaluate
+from evodevo_sim import Evaluation, Genome, Task
+from evodevo_sim.messages import evaluation_from_message, genome_message, task_message
+from rclpy.callback_groups import ReentrantCallbackGroup
+
+SERVICE_TYPE = "evodevo_msgs/srv/Evaluate"
+BATCH = 4  # genomes in a request: small, so that the last one to finish keeps nobody waiting
+IN_FLIGHT = 2  # requests queued at a node, so that it never waits for us
+ANSWER_WITHIN = 120.0  # s for one request; a node that takes longer counts as lost
+
+
+class FleetError(RuntimeError):
+    """No simulator can go on, or one refused the request; the message says why and what to do."""
+
+
+def find_simulators(node) -> list[str]:
+    """The evaluate services on the graph.  Those in hidden namespaces (`/_...`) belong to other runs."""
+    services = node.get_service_names_and_types()
+    return sorted(name for name, types in services if SERVICE_TYPE in types and "/_" not in name)
+
+
+@dataclass
+class _Request:
+    genomes: list[int]  # places in the generation
+    server: object
+    future: object
+    deadline: float
+
+
+class Fleet:
+    """Evaluates genomes on simulator nodes.  The outcome does not depend on who evaluates what, or when.
+
+    Args: node, executor: of the caller, who owns them; services: names of `evaluate` services.
+    """
+
+    def __init__(self, node, executor, services: list[str]):
+        group = ReentrantCallbackGroup()
+        self._executor = executor
+        self._node = node
+        self._servers = [node.create_client(Evaluate, name, callback_group=group) for name in services]
+        self._lost = []
+
+    def __len__(self) -> int:
+        return len(self._servers)
+
+    def wait(self, seconds: float, alive=lambda: True) -> None:
+        """Wait until every service answers.  Raises FleetError when one does not, or `alive()` says that it cannot."""
+        deadline = time.monotonic() + seconds
+        for server in self._servers:
+            while not server.wait_for_service(timeout_sec=0.2):
+                if time.monotonic() > deadline or not alive():
+                    raise FleetError(f"simulator {server.srv_name} does not answer: run `ros2 run evodevo_sim simulator` to see why")
+
+    def evaluate(self, genomes: list[Genome], task: Task, seed: int, stop=lambda: False) -> list[Evaluation] | None:
+        """Evaluate genomes in order; None when `stop()` said to stop.
+
+        A node that dies or hangs is dropped and its genomes go to the others.  Raises FleetError when none is left, or one
+        refuses a request.
+        """
+        waiting = deque(list(range(i, min(i + BATCH, len(genomes)))) for i in range(0, len(genomes), BATCH))
+        results: list[Evaluation | None] = [None] * len(genomes)
+        message, messages = task_message(task), [genome_message(genome) for genome in genomes]
+        under_way: list[_Request] = []
+        while waiting or under_way:
+            if stop():
+                return None
+            for server in self._servers:
+                while waiting and sum(request.server is server for request in under_way) < IN_FLIGHT:
+                    places = waiting.popleft()
+                    request = Evaluate.Request(task=message, seed=seed, genomes=[messages[i] for i in places])
+                    under_way.append(_Request(places, server, server.call_async(request), time.monotonic() + ANSWER_WITHIN))
+            self._executor.spin_once(timeout_sec=0.1)
+            under_way = [request for request in under_way if not self._take(request, results, waiting)]
+        return results
+
+    def _take(self, request: _Request, results: list, waiting: deque) -> bool:
+        """Whether a request is over, its results taken or its genomes back in the queue."""
+        if request.future.done():
+            response = request.future.result()
+            if response.error:
+                raise FleetError(f"simulator {request.server.srv_name}: {response.error}")
+            for i, evaluation in zip(request.genomes, response.evaluations, strict=True):
+                results[i] = evaluation_from_message(evaluation)
+            return True
+        if request.server in self._servers and (time.monotonic() > request.deadline or not request.server.service_is_ready()):
+            self._servers.remove(request.server)
+            self._node.get_logger().warning(f"simulator {request.server.srv_name} is lost: going on with {len(self._servers)} others")
+        if request.server not in self._servers:
+            if not self._servers:
+                raise FleetError("no simulator is left: start one with `ros2 run evodevo_sim simulator`, or run again without any")
+            request.future.cancel()
+            waiting.appendleft(request.genomes)
+            return True
+        return False
+
+
+class OwnSimulators:
+    """Simulator nodes of this process's own, as a context: started together, ended by their ids, and with us if we are killed."""
+
+    def __init__(self, count: int, log_path: str | os.PathLike | None = None):
+        self.namespace = f"/_evolve_{os.getpid()}"
+        self._count = count
+        self._log_path = log_path
+        self._processes: list[subprocess.Popen] = []
+
+    @property
+    def services(self) -> list[str]:
+        return [f"{self.namespace}/sim_{i}/evaluate" for i in range(self._count)]
+
+    def alive(self) -> bool:
+        return all(process.poll() is None for process in self._processes)
+
+    def __enter__(self):
+        log = open(self._log_path or os.devnull, "ab")
+        with log:
+            for i in range(self._count):
+                command = [sys.executable, "-m", "evodevo_sim.nodes.simulator", "--ros-args", "-r", f"__ns:={self.namespace}/sim_{i}"]
+                # A session of their own: Ctrl-C reaches us alone, and we end them in good order.
+                self._processes.append(
+                    subprocess.Popen(
+                        command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True, preexec_fn=_end_with_parent
+                    )
+                )
+        return self
+
+    def __exit__(self, *_):
+        for process in self._processes:
+            process.terminate()
+        deadline = time.monotonic() + 5.0
+        for process in self._processes:
+            try:
+                process.wait(max(0.0, deadline - time.monotonic()))
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+
+
+def _end_with_parent():
+    PR_SET_PDEATHSIG = 1
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)

@@ -1,0 +1,30 @@
+"""Messages of an evolution: its settings, each generation's statistics, each new champion."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+
+from evodevo_msgs import msg
+from evodevo_sim import Task, __version__
+from evodevo_sim.messages import evaluation_message, genome_message, task_message, time_message
+
+from .evolution import Generation, Individual, Settings
+
+
+def evolution_message(settings: Settings, task: Task, seed: int) -> msg.Evolution:
+    return msg.Evolution(version=__version__, task=task_message(task), seed=seed, **asdict(settings))
+
+
+def statistics_message(generation: Generation, evaluations_per_second: float, seconds: float) -> msg.GenerationStatistics:
+    fields = asdict(generation)
+    del fields["improved"]
+    return msg.GenerationStatistics(stamp=time_message(seconds), evaluations_per_second=evaluations_per_second, **fields)
+
+
+def champion_message(generation: int, champion: Individual, seconds: float) -> msg.Champion:
+    return msg.Champion(
+        stamp=time_message(seconds),
+        generation=generation,
+        genome=genome_message(champion.genome),
+        evaluation=evaluation_message(champion.evaluation),
+    )
