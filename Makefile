@@ -1,0 +1,34 @@
+# evodevo: `make` says what there is.  Every target sets up what is missing first.
+
+.DEFAULT_GOAL := help
+.PHONY: help setup build evolve test replay lock clean
+MAKEFLAGS += --no-print-directory
+
+in_environment := scripts/run.sh
+
+help:
+	@echo 'make setup                        install and build what is missing; PYTHON=... chooses the interpreter'
+	@echo 'make evolve [ARGS="..."]          evolve: ros2 run evodevo_ga evolve ARGS'
+	@echo 'make replay [ARGS="..."]          show a recording: ros2 run evodevo_sim replay ARGS'
+	@echo 'make test [ARGS="..."]            run the tests: pytest tests ARGS'
+	@echo 'make lock                         pin requirements.in in requirements.lock'
+	@echo 'make clean                        remove everything that set-up made'
+
+setup build:
+	@scripts/setup.sh
+
+evolve: setup
+	@$(in_environment) ros2 run evodevo_ga evolve $(ARGS)
+
+replay: setup
+	@$(in_environment) ros2 run evodevo_sim replay $(ARGS)
+
+# Each run has a ROS domain of its own.
+test: setup
+	@ROS_DOMAIN_ID=$${ROS_DOMAIN_ID:-$$(shuf -i 1-100 -n 1)} $(in_environment) python -m pytest tests $(ARGS)
+
+lock:
+	@scripts/lock.sh
+
+clean:
+	rm -rf .venv setup.log ros_ws/build ros_ws/install ros_ws/log
