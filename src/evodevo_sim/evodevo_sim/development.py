@@ -63,10 +63,12 @@ def _divide(position, axis, table, units, cells, development):
 
 @kernel
 def _relax(position, cells, edges, count, development, shift):
-    """Push overlapping neighbours apart, pull separated ones together, once.  Returns the largest move of a coordinate."""
-    for i in range(cells):
-        shift[i, 0] = 0.0
-        shift[i, 1] = 0.0
+    """Push overlapping neighbours apart, pull separated ones together, once.  Returns the largest move of a coordinate.
+
+    A cell in a crowd of more than six takes the mean of their pushes six times, not their sum, which would overshoot.
+    shift (>= cells, 3) is scratch.
+    """
+    shift[:cells] = 0.0
     for e in range(count):
         i, j = edges[e, 0], edges[e, 1]
         dx, dy = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
@@ -78,11 +80,14 @@ def _relax(position, cells, edges, count, development, shift):
         shift[i, 1] += share * dy
         shift[j, 0] -= share * dx
         shift[j, 1] -= share * dy
+        shift[i, 2] += 1.0
+        shift[j, 2] += 1.0
     most = 0.0
     for i in range(cells):
         for axis in range(2):
-            position[i, axis] += shift[i, axis]
-            most = max(most, abs(shift[i, axis]))
+            move = shift[i, axis] * min(1.0, 6.0 / max(shift[i, 2], 1.0))
+            position[i, axis] += move
+            most = max(most, abs(move))
     return most
 
 
@@ -144,7 +149,8 @@ def grow(network, development, continual, history, activations, graphs):
         continual: whether the graph is kept up to date (variant B) or made at the end (variant A).
         history, activations: (steps + 1, max_cells, 2) and (steps + 1, max_cells), NaN where there is no cell; empty
             when nobody looks.
-        graphs: (steps + 1, 3 max_cells, 2) int64 edges of each step, filled up with -1; empty when nobody looks.
+        graphs: (steps + 1, E, 2) int64 edges of each step, filled up with -1, E enough for both the planar graph and, in
+            variant A, all pairs of cells; empty when nobody looks.
 
     Returns: Embryo.
     """
@@ -156,7 +162,7 @@ def grow(network, development, continual, history, activations, graphs):
     position = np.zeros((limit, 2))
     axis = np.zeros((limit, 2))
     axis[0, 0] = 1.0
-    shift, share = np.empty((limit, 2)), np.empty(limit)
+    shift, share = np.empty((limit, 3)), np.empty(limit)
     witness = np.zeros((limit, limit), np.int32)
     edges = np.empty((3 * limit + 1 if continual else limit * (limit - 1) // 2 + 1, 2), np.int64)
     start = np.zeros(limit + 1, np.int64)
@@ -192,7 +198,7 @@ def grow(network, development, continual, history, activations, graphs):
                 count = gabriel_edges(position, grown, witness, edges)
                 adjacency(edges, count, grown, start, neighbour)
             else:
-                count = _metric_edges(position, grown, development.adhesion_range, edges)
+                count = _metric_edges(position, grown, development.neighbour_radius, edges)
             most = 0.0
             for _ in range(development.relaxations):
                 most = max(most, _relax(position, grown, edges, count, development, shift))

@@ -134,7 +134,9 @@ def perform(genome: Genome, task: Task = Task(), seed: int = 0) -> Performance:
     development = task.development
     shape = (development.steps + 1, development.max_cells)
     growth, growth_activation = np.full((*shape, 2), np.nan), np.full(shape, np.nan)
-    graphs = np.full((development.steps + 1, 3 * development.max_cells + 1, 2), -1)
+    limit = development.max_cells
+    most_edges = 3 * limit + 1 if arguments[3] else max(3 * limit, limit * (limit - 1) // 2) + 1
+    graphs = np.full((development.steps + 1, most_edges, 2), -1)
     _, _, embryo = develop(arguments[0], arguments[2], arguments[3], arguments[6], growth, growth_activation, graphs)
     cells = embryo.position.shape[0]
     body = None

@@ -30,8 +30,14 @@ def genome_text(genome: Genome, about: dict[str, str] | None = None) -> str:
     lines.append(f"elements:  # the first {HEADER} are the header, in this order")
     for i, (kind, sign, x, y) in enumerate(zip(*(a.tolist() for a in genome.arrays()))):
         name = f"{KINDS[kind]}: {HEADER_NAMES[i]}" if kind == SPECIAL else f"kind: {KINDS[kind]}"
-        lines.append(f"- {{{name}, sign: {sign:+d}, x: {x!r}, y: {y!r}}}")
+        lines.append(f"- {{{name}, sign: {sign:+d}, x: {_number(x)}, y: {_number(y)}}}")
     return "\n".join(lines) + "\n"
+
+
+def _number(value: float) -> str:
+    """The shortest text of exactly this number that YAML 1.1 reads as one: it wants 1.0e-12, not 1e-12."""
+    mantissa, e, exponent = repr(value).partition("e")
+    return mantissa + (".0" if e and "." not in mantissa else "") + e + exponent
 
 
 def save_genome(path: str | os.PathLike, genome: Genome, about: dict[str, str] | None = None) -> None:

@@ -7,6 +7,7 @@ choose it, stands in `docs/model.md`.
 from __future__ import annotations
 
 import dataclasses
+import difflib
 import math
 from collections import namedtuple
 from dataclasses import dataclass, field
@@ -64,7 +65,8 @@ class Development(Checked):
     relaxations: int = parameter(2, 1, 100, "", "mechanical relaxations in a regulation step")
     repulsion: float = parameter(0.3, 0.0, 0.5, "", "share of an overlap undone in one relaxation")
     adhesion: float = parameter(0.1, 0.0, 0.5, "", "share of a gap closed in one relaxation")
-    adhesion_range: float = parameter(1.5, 1.0, 100.0, "m", "distance beyond which cells do not hold each other")
+    adhesion_range: float = parameter(1.5, 1.0, 100.0, "m", "variant B: distance beyond which neighbours do not hold each other")
+    neighbour_radius: float = parameter(1.2, 1.0, 1.5, "m", "variant A: distance within which cells are neighbours")
     morphogen_range: float = parameter(1.0, 1e-3, 1e6, "m", "variant A: distance over which a morphogen falls to a half")
     morphogen_speed: float = parameter(1.0, 0.05, 1e6, "m/step", "variant A: speed at which morphogens travel")
 
@@ -116,6 +118,31 @@ class Task(Checked):
 
 
 TASKS = ("swim",)
+
+
+def with_settings(task: Task, values: dict[str, object]) -> Task:
+    """A task with some numbers changed, by name, e.g. `{"development.max_cells": 64}`.
+
+    Values may be text, as from a command line.  Raises ParameterError that names the setting and the nearest known one.
+    """
+    for name, value in values.items():
+        part, _, field_name = name.rpartition(".")
+        target = getattr(task, part, None) if part else task
+        known = {f"{part}.".lstrip(".") + f.name: f for f in dataclasses.fields(target)} if isinstance(target, Checked) else {}
+        if name not in known or isinstance(getattr(target, field_name), Checked):
+            every = [f.name for f in dataclasses.fields(Task)] + [
+                f"{f.name}.{g.name}" for f in dataclasses.fields(Task) if dataclasses.is_dataclass(f.default) for g in dataclasses.fields(f.default)
+            ]
+            near = difflib.get_close_matches(name, every, 1, 0.0)
+            raise ParameterError(f"setting {name!r} is unknown: did you mean {near[0]!r}?")
+        if isinstance(value, str) and "range" in known[name].metadata:
+            try:
+                value = float(value)
+            except ValueError:
+                raise ParameterError(f"{name} is {value!r}: give a number") from None
+        changed = dataclasses.replace(target, **{field_name: value})
+        task = dataclasses.replace(task, **{part: changed}) if part else changed
+    return task
 
 
 def _argument_type(cls):

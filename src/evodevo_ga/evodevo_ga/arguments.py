@@ -1,0 +1,94 @@
+"""The command line of `evolve`: flags into a Task, Settings and the rest, or one clear line and exit code 2."""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import os
+from datetime import datetime
+from pathlib import Path
+
+from evodevo_sim import ParameterError, Task
+from evodevo_sim.parameters import TASKS, with_settings
+
+from .evolution import Settings
+
+_EPILOG = """\
+examples:
+  ros2 run evodevo_ga evolve
+      a swimmer of up to 32 cells in one to three minutes on two cores
+  ros2 run evodevo_ga evolve --generations 2000 --cells 64 --seed 7 --out bags/long
+      a long run; Ctrl-C ends it at any time and keeps all that was done
+  ros2 run evodevo_ga evolve --set scene.drag_normal=40 --set scene.drag_tangential=0.2
+      in a thinner fluid; any number of the model can be set so (docs/model.md lists them)
+
+Simulator nodes found on the ROS graph do the work, e.g. those that you start yourself by
+  ros2 run evodevo_sim simulator --ros-args -r __ns:=/sim_0
+When there are none, or with --simulators N, evolve starts its own, one per core, and ends them.
+
+The run's directory holds a rosbag2 recording in MCAP and champion.yaml. See it by
+  ros2 run evodevo_sim replay DIR
+"""
+
+
+
+@dataclasses.dataclass(frozen=True)
+class Options:
+    task: Task
+    settings: Settings
+    seed: int
+    out: Path
+    simulators: int | None  # None: those on the graph, or else one per core
+    quiet: bool
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message):
+        self.exit(2, f"evolve: {message} (see --help)\n")
+
+
+def parse(arguments: list[str]) -> Options:
+    """Options of a command line.  Leaves with exit code 2 and one line where something is wrong."""
+    parser = _Parser(
+        prog="evolve",
+        description="Evolve soft-bodied animats that grow from one cell and move without a central controller.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--task", default=TASKS[0], metavar="NAME", help=f"what to evolve for: {', '.join(TASKS)} (default %(default)s)")
+    parser.add_argument("--cells", default=32, type=int, metavar="N", help="most cells of a body (default %(default)s)")
+    parser.add_argument("--seed", default=1, type=int, metavar="N", help="same seed, same champions, bit for bit (default %(default)s)")
+    parser.add_argument("--out", metavar="DIR", help="directory of the run, made anew (default bags/TASK-DATE-TIME)")
+    parser.add_argument("--simulators", type=int, metavar="N", help="start N simulator nodes of our own, whatever is on the graph")
+    parser.add_argument("--quiet", action="store_true", help="no progress bar")
+    group = parser.add_argument_group("genetic algorithm")
+    for field in dataclasses.fields(Settings):
+        group.add_argument(
+            f"--{field.name.replace('_', '-')}", default=field.default, type=type(field.default), metavar="N" if isinstance(field.default, int) else "X",
+            help=f"{field.metadata['meaning']} (default %(default)s)",
+        )
+    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="set a number of the model, e.g. material.stiffness=300")
+    given = parser.parse_args(arguments)
+    try:
+        task = with_settings(Task(), {"name": given.task, "development.max_cells": given.cells, **_pairs(given.set)})
+        settings = Settings(**{field.name: getattr(given, field.name) for field in dataclasses.fields(Settings)})
+    except ParameterError as error:
+        parser.error(str(error))
+    if not 0 <= given.seed < 2**63:
+        parser.error(f"--seed is {given.seed}: give a whole number from 0 to 2^63 - 1")
+    if given.simulators is not None and not 1 <= given.simulators <= 256:
+        parser.error(f"--simulators is {given.simulators}: give 1 to 256")
+    out = Path(given.out or f"bags/{task.name}-{datetime.now():%Y%m%d-%H%M%S}")
+    return Options(task, settings, given.seed, out, given.simulators, given.quiet)
+
+
+def _pairs(items: list[str]) -> dict[str, str]:
+    pairs = dict(item.partition("=")[::2] for item in items)
+    for name, value in pairs.items():
+        if not value:
+            raise ParameterError(f"--set {name}: give NAME=VALUE, e.g. material.stiffness=300")
+    return pairs
+
+
+def cores() -> int:
+    return len(os.sched_getaffinity(0))

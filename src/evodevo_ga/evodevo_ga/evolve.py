@@ -1,0 +1,185 @@
+"""`ros2 run evodevo_ga evolve`: the node that evolves animats on simulator nodes and records the run."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import time
+from pathlib import Path
+
+from evodevo_sim import evaluate, perform, random_genome, save_genome
+from evodevo_sim._jit import is_compiled
+
+from .arguments import Options, cores, parse
+from .evolution import Evolution, Individual
+
+_DISCOVERY = 1.0  # s to look for simulators on the graph
+
+
+class _Stop:
+    """Set by the first Ctrl-C or SIGTERM; a second one ends the process at once."""
+
+    def __init__(self):
+        self.asked = False
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, self._ask)
+
+    def _ask(self, number, _frame):
+        if self.asked:
+            os._exit(128 + number)
+        self.asked = True
+        print("\nStopping: keeping what was done. Once more to end at once.", file=sys.stderr)
+
+    def __call__(self) -> bool:
+        return self.asked
+
+
+def main(arguments: list[str] | None = None) -> int:
+    options = parse(_without_ros(sys.argv[1:] if arguments is None else arguments))
+    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")  # no packet leaves the host unless the user says so
+
+    import rclpy
+    from evodevo_sim.recording import Recorder, RecordingError
+    from rclpy.signals import SignalHandlerOptions
+
+    from .fleet import FleetError
+
+    stop = _Stop()
+    _compile(options)
+    rclpy.init(args=sys.argv if arguments is None else None, signal_handler_options=SignalHandlerOptions.NO)
+    try:
+        with Recorder(options.out) as recorder:
+            return _Run(options, recorder, stop).go()
+    except (RecordingError, FleetError) as error:
+        print(f"evolve: {error}", file=sys.stderr)
+        return 2
+    finally:
+        rclpy.try_shutdown()
+
+
+def _without_ros(arguments: list[str]) -> list[str]:
+    from rclpy.utilities import remove_ros_args
+
+    return remove_ros_args(["evolve", *arguments])[1:]
+
+
+def _compile(options: Options) -> None:
+    """Compile every kernel of this task before simulators start, so that they only load them."""
+    import numpy as np
+
+    if not is_compiled():
+        print("Compiling the simulation kernels, once: about half a minute.", flush=True)
+    evaluate(random_genome(np.random.default_rng(0)), options.task)
+
+
+class _Run:
+    """One run: the node, its simulators and its recording, around an `Evolution`."""
+
+    def __init__(self, options: Options, recorder, stop: _Stop):
+        import rclpy
+        from evodevo_msgs import msg
+        from rclpy.executors import SingleThreadedExecutor
+
+        self.options, self.recorder, self.stop = options, recorder, stop
+        self.node = rclpy.create_node("evolve")
+        self.executor = SingleThreadedExecutor()
+        self.executor.add_node(self.node)
+        self.statistics = self.node.create_publisher(msg.GenerationStatistics, "evolution/statistics", 10)
+        self.champions = self.node.create_publisher(msg.Champion, "evolution/champion", 10)
+        self.evolution = Evolution(options.settings, options.seed)
+
+    def go(self) -> int:
+        from .fleet import Fleet, OwnSimulators
+
+        services = [] if self.options.simulators else self._find()
+        if services:
+            print(f"Evolving on {len(services)} simulators of the graph: {', '.join(services)}")
+            fleet = Fleet(self.node, self.executor, services)
+            fleet.wait(10.0)
+            self._evolve(fleet)
+        else:
+            count = self.options.simulators or cores()
+            with OwnSimulators(count, self.options.out / "simulators.log") as own:
+                print(f"Evolving on {count} simulators of our own; recording to {self.options.out}", flush=True)
+                fleet = Fleet(self.node, self.executor, own.services)
+                fleet.wait(60.0, own.alive)
+                self._evolve(fleet)
+        return self._finish()
+
+    def _find(self) -> list[str]:
+        from .fleet import find_simulators
+
+        deadline = time.monotonic() + _DISCOVERY
+        while not (services := find_simulators(self.node)) and time.monotonic() < deadline:
+            self.executor.spin_once(timeout_sec=0.05)
+        return services
+
+    def _evolve(self, fleet) -> None:
+        from tqdm import tqdm
+
+        from .messages import evolution_message
+
+        o = self.options
+        self.recorder.write("evolution/settings", evolution_message(o.settings, o.task, o.seed), time.time_ns())
+        bar = tqdm(total=o.settings.generations, unit="gen", disable=o.quiet, mininterval=0.1 if sys.stderr.isatty() else 5.0)
+        with bar:
+            while not self.evolution.finished:
+                began = time.monotonic()
+                asked = self.evolution.ask()
+                evaluations = fleet.evaluate(asked, o.task, o.seed, self.stop)
+                if evaluations is None:
+                    break
+                generation = self.evolution.tell(evaluations)
+                rate = len(asked) / (time.monotonic() - began)
+                self._record(generation, rate)
+                bar.set_postfix_str(
+                    f"best {generation.best:.3f}, median {generation.median:.3f}, diversity {generation.diversity:.2f}, {rate:.0f} evaluations/s",
+                    refresh=False,
+                )
+                bar.update()
+
+    def _record(self, generation, rate: float) -> None:
+        from .messages import champion_message, statistics_message
+
+        now = time.time_ns()
+        message = statistics_message(generation, rate, now * 1e-9)
+        self.recorder.write("evolution/statistics", message, now)
+        self.statistics.publish(message)
+        if generation.improved:
+            champion = champion_message(generation.generation, self.evolution.champion, now * 1e-9)
+            self.recorder.write("evolution/champion", champion, now)
+            self.champions.publish(champion)
+            _save(self.options, generation.generation, self.evolution.champion)
+
+    def _finish(self) -> int:
+        from evodevo_sim.recording import record_performance
+
+        if not self.evolution.population:
+            print(f"Stopped before the first generation: {self.options.out} holds the settings alone.")
+            return 130
+        champion = self.evolution.champion
+        record_performance(self.recorder, perform(champion.genome, self.options.task, self.options.seed), time.time_ns())
+        m = champion.evaluation.metrics
+        print(
+            f"{self.evolution.generation + 1} generations, {self.evolution.evaluations} evaluations. "
+            f"Champion: fitness {champion.evaluation.fitness:.3f}, {m.cells} cells, {m.chambers} chambers, "
+            f"{m.distance:.2f} cell diameters in all, {m.distance_second_half:.2f} in the second half, "
+            f"activation amplitude {m.activation_amplitude:.2f}.\n"
+            f"See it:   ros2 run evodevo_sim replay {self.options.out}\n"
+            f"Genome:   {self.options.out / 'champion.yaml'}"
+        )
+        return 130 if self.stop.asked else 0
+
+
+def _save(options: Options, generation: int, champion: Individual) -> None:
+    e = champion.evaluation
+    about = {
+        "task": options.task.name, "cells": options.task.development.max_cells, "seed": options.seed, "generation": generation,
+        "fitness": repr(e.fitness), "distance": repr(e.metrics.distance),
+    }
+    save_genome(Path(options.out) / "champion.yaml", champion.genome, about)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

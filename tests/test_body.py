@@ -1,0 +1,74 @@
+"""The frozen body: faces of a planar graph become chambers, what touches the outside becomes the outline."""
+
+import numpy as np
+import pytest
+from evodevo_sim.body import build_body
+from evodevo_sim.gabriel import adjacency, gabriel_graph
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+
+def body_of(position, edges=None):
+    position = np.asarray(position, float)
+    edges = gabriel_graph(position) if edges is None else np.array(sorted(edges), np.int64)
+    start, neighbour = np.zeros(len(position) + 1, np.int64), np.empty(2 * len(edges), np.int64)
+    adjacency(edges, len(edges), len(position), start, neighbour)
+    return build_body(position, edges, start, neighbour, 2.0), edges
+
+
+def test_a_square_with_a_tail_has_one_polygon_and_the_tail_once_on_its_outline():
+    body, _ = body_of([(0, 0), (1, 0), (1, 1), (0, 1), (2, 1)], [(0, 1), (0, 3), (1, 2), (2, 3), (2, 4)])
+    assert body.triangle.shape == (0, 3) and body.polygon_area.tolist() == [1.0]
+    assert sorted(map(sorted, body.outline.tolist())) == [[0, 1], [0, 3], [1, 2], [2, 3], [2, 4]]
+    assert body.inverse_mass.tolist() == [0.5] * 5
+
+
+def test_a_tail_inside_a_chamber_is_no_outline():
+    body, _ = body_of([(0, 0), (4, 0), (4, 4), (0, 4), (1, 1)], [(0, 1), (0, 3), (0, 4), (1, 2), (2, 3)])
+    assert [0, 4] not in list(map(sorted, body.outline.tolist()))
+    assert body.polygon_area.tolist() == [16.0]
+
+
+def test_a_chain_has_no_chamber_and_is_all_outline():
+    body, edges = body_of([(0, 0), (1, 0), (2, 0)])
+    assert len(body.triangle_area) == len(body.polygon_area) == 0
+    assert len(body.outline) == len(edges) == 2
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(3, 60), st.integers(0, 2**32))
+def test_euler_and_area_hold_for_random_bodies(cells, seed):
+    position = np.random.default_rng(seed).uniform(-4, 4, (cells, 2))
+    body, edges = body_of(position)
+    chambers = len(body.triangle_area) + len(body.polygon_area)
+    assert cells - len(edges) + chambers + 1 == 2  # V - E + F of a connected planar graph
+    assert (body.triangle_area > 0).all() and (body.polygon_area > 0).all()
+    # The outline encloses just the chambers: Green's theorem over every edge of the outer walk.
+    a, b = position[body.outline[:, 0]], position[body.outline[:, 1]]
+    bridges = count_bridges(cells, edges)
+    if not bridges:
+        enclosed = -0.5 * np.sum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+        assert enclosed == pytest.approx(body.triangle_area.sum() + body.polygon_area.sum(), rel=1e-9)
+
+
+def count_bridges(cells, edges):
+    """Edges whose removal disconnects the graph, by the definition."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    count = 0
+    for k in range(len(edges)):
+        rest = np.delete(edges, k, axis=0)
+        graph = coo_array((np.ones(len(rest)), rest.T), shape=(cells, cells))
+        count += connected_components(graph)[0] > 1
+    return count
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.integers(2, 40), st.integers(0, 2**32))
+def test_springs_are_the_edges_with_their_lengths(cells, seed):
+    position = np.random.default_rng(seed).uniform(-4, 4, (cells, 2))
+    body, edges = body_of(position)
+    a = np.repeat(np.arange(cells), np.diff(body.spring_start.astype(int)))
+    assert np.array_equal(np.column_stack((a, body.spring_end)), edges)
+    assert body.rest_length == pytest.approx(np.linalg.norm(position[edges[:, 0]] - position[edges[:, 1]], axis=1))

@@ -1,0 +1,84 @@
+"""Growth: division, mechanics, the Gabriel graph, both variants."""
+
+import numpy as np
+import pytest
+from evodevo_sim import Development, ParameterError, Task, perform, random_genome
+from evodevo_sim.gabriel import gabriel_graph
+from genomes import dividing, first_viable, hand_made
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+
+def brute_force_gabriel(p):
+    """Edges by the definition with a closed circle, for points in general position."""
+    n = len(p)
+    return [
+        (i, j) for i in range(n) for j in range(i + 1, n)
+        if all(np.dot(p[i] - p[k], p[j] - p[k]) > 0 for k in range(n) if k not in (i, j))
+    ]
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.integers(2, 40), st.integers(0, 2**32))
+def test_gabriel_graph_is_the_definition(cells, seed):
+    p = np.random.default_rng(seed).uniform(-3, 3, (cells, 2))
+    assert [tuple(e) for e in gabriel_graph(p).tolist()] == brute_force_gabriel(p)
+
+
+def test_a_perfect_square_has_no_diagonal():
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    assert gabriel_graph(square).tolist() == [[0, 1], [0, 3], [1, 2], [2, 3]]
+
+
+def life(genome, **development):
+    return perform(genome, Task(development=Development(**development), control_steps=8))
+
+
+@pytest.mark.parametrize("variant", ["continual_graph", "graph_at_end"])
+@pytest.mark.parametrize("cells", [2, 17, 32, 64])
+def test_a_dividing_egg_fills_its_limit_with_spaced_cells(variant, cells):
+    performance = life(dividing(), variant=variant, max_cells=cells)
+    p = performance.growth[-1]
+    assert len(p) == cells and np.isfinite(p).all()
+    distance = np.linalg.norm(p[:, None] - p[None], axis=-1)[np.triu_indices(cells, 1)]
+    assert distance.min() > 0.7  # cells are discs of diameter 1, pressed a little by adhesion
+    assert np.linalg.matrix_rank(p - p[0], tol=1e-3) == min(cells - 1, 2)  # two-dimensional from three cells on
+
+
+def test_an_egg_without_division_factor_stays_one_cell():
+    performance = life(hand_made())
+    assert performance.growth.shape[1] == 1 and performance.body is None
+
+
+def test_cells_only_appear_never_vanish_and_inherit_their_place():
+    growth = life(dividing(), max_cells=20).growth
+    counts = np.isfinite(growth[..., 0]).sum(axis=1)
+    assert counts[0] == 1 and np.all(np.diff(counts) >= 0) and counts[-1] == 20
+
+
+@pytest.mark.parametrize("variant", ["continual_graph", "graph_at_end"])
+def test_growth_is_the_same_every_time(variant):
+    for genome in first_viable(3):
+        once, again = (life(genome, variant=variant) for _ in range(2))
+        assert np.array_equal(once.growth, again.growth, equal_nan=True)
+        assert np.array_equal(once.position, again.position, equal_nan=True)
+
+
+def test_every_recorded_graph_is_the_gabriel_graph_of_its_moment():
+    performance = life(first_viable(1)[0])
+    last = performance.growth[-1]
+    assert performance.growth_edges[-1].tolist() == gabriel_graph(last).tolist()
+
+
+@pytest.mark.parametrize("variant", ["continual_graph", "graph_at_end"])
+@settings(max_examples=15, deadline=None)
+@given(seed=st.integers(0, 10_000))
+def test_random_genomes_always_grow_to_something_finite(variant, seed):
+    performance = life(random_genome(np.random.default_rng(seed)), variant=variant, max_cells=12)
+    assert np.isfinite(performance.growth[-1]).all()
+
+
+@pytest.mark.parametrize("name, value", [("variant", "C"), ("max_cells", 0), ("steps", 2.5), ("division_threshold", np.nan), ("repulsion", "x")])
+def test_impossible_settings_are_named(name, value):
+    with pytest.raises(ParameterError, match=name):
+        Development(**{name: value})

@@ -1,0 +1,94 @@
+"""Genomes and their files: what is malformed is refused by name, and what is written is read back to the bit."""
+
+import numpy as np
+import pytest
+from evodevo_sim import Genome, GenomeError, load_genome, parse_genome, random_genome, save_genome
+from evodevo_sim.genome import HEADER
+from evodevo_sim.genome_file import genome_text
+from genomes import hand_made, random_genomes
+from hypothesis import given
+from hypothesis import strategies as st
+
+
+@given(random_genomes())
+def test_a_file_holds_every_bit(genome):
+    assert parse_genome(genome_text(genome, {"task": "swim", "note": "a: b # c"})) == genome
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False, min_value=-1e6, max_value=1e6))
+def test_any_coordinate_survives_the_file(x):
+    assert parse_genome(genome_text(hand_made({"axis": (-1, x, -x)}))) == hand_made({"axis": (-1, x, -x)})
+
+
+@pytest.mark.parametrize(
+    "change, says",
+    [
+        (dict(x=np.nan), "element 3: point is not finite"),
+        (dict(y=np.inf), "element 3: point is not finite"),
+        (dict(sign=0), "element 3: sign"),
+        (dict(kind=1), "special elements are the first"),
+        (dict(kind=9), "kind is unknown"),
+    ],
+)
+def test_malformed_elements_are_named(change, says):
+    genome = hand_made()
+    arrays = dict(kind=genome.kind.copy(), sign=genome.sign.copy(), x=genome.x.copy(), y=genome.y.copy())
+    for name, value in change.items():
+        arrays[name][3] = value
+    with pytest.raises(GenomeError, match=says):
+        Genome(**arrays)
+
+
+def test_unequal_lengths_and_missing_header_are_refused():
+    genome = hand_made()
+    with pytest.raises(GenomeError, match="equal numbers"):
+        Genome(genome.kind, genome.sign, genome.x, genome.y[:-1])
+    with pytest.raises(GenomeError, match=f"the {HEADER} special elements"):
+        Genome(*(array[:3] for array in genome.arrays()))
+
+
+@pytest.mark.parametrize(
+    "text, says",
+    [
+        ("", "not a genome file"),
+        ("evodevo_genome: 2\nelements: []", "version 2 is unknown"),
+        ("evodevo_genome: 1\nelement: []", "unknown key 'element'"),
+        ("evodevo_genome: 1\nelements: [1, 2]", "element 0: give exactly the keys"),
+        ("evodevo_genome: 1\nelements:\n- {special: axis, sign: 1, x: 0, y: 0}", "element 0: special is 'axis'"),
+        ("evodevo_genome: [", "not valid YAML"),
+        ("evodevo_genome: 1\nelements:\n- {special: maternal_x, sign: yes, x: 0, y: 0}", "element 0: sign"),
+        ("evodevo_genome: 1\nelements:\n- {special: maternal_x, sign: 1, x: here, y: 0}", "element 0: x is 'here'"),
+    ],
+)
+def test_a_bad_file_is_refused_with_the_place(tmp_path, text, says):
+    path = tmp_path / "genome.yaml"
+    path.write_text(text)
+    with pytest.raises(GenomeError, match=says) as error:
+        load_genome(path)
+    assert str(path) in str(error.value) and "\n" not in str(error.value)
+
+
+def test_files_cut_anywhere_never_pass_for_whole(tmp_path):
+    text = genome_text(random_genome(np.random.default_rng(0)))
+    whole = parse_genome(text)
+    for end in range(0, len(text) - 1, 7):
+        try:
+            assert len(parse_genome(text[:end])) < len(whole)  # a cut between two lines is a shorter genome
+        except GenomeError:
+            pass
+
+
+def test_saving_replaces_a_file_whole(tmp_path):
+    path = tmp_path / "genome.yaml"
+    path.write_text("old")
+    save_genome(path, hand_made())
+    assert load_genome(path) == hand_made()
+    assert [p.name for p in tmp_path.iterdir()] == ["genome.yaml"]
+
+
+def test_missing_and_binary_files_get_one_line(tmp_path):
+    with pytest.raises(GenomeError, match="No such file"):
+        load_genome(tmp_path / "none.yaml")
+    (tmp_path / "binary").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(GenomeError, match="not a text file"):
+        load_genome(tmp_path / "binary")
