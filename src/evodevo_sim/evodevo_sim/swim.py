@@ -25,7 +25,12 @@ _LOOK = 50  # control steps between looks at whether all rests
 # failed_step: control step at which physics failed, -1 for none; path (windows + 1, 2): the centre of mass at the ends of the
 # windows; middle (2,): and halfway; amplitude: half of max - min of e - c in the last half, mean over cells
 Swim = namedtuple("Swim", "status failed_step path middle amplitude substeps cells springs chambers")
-
+# A living animat.  Changed by `live`: position, velocity (N, 2), muscle (N,) of e - c, table, past; the rest is scratch
+# or stays.  born: regulation steps of growth; start, neighbour: the graph; substeps: 0 where there is no body to move.
+Life = namedtuple(
+    "Life",
+    "body law network units table past delay start neighbour born drive share muscle rest position velocity scratch substeps",
+)
 
 
 @kernel
@@ -58,6 +63,82 @@ def develop(genome, development, continual, given_inputs, history, activations, 
 
 
 @kernel
+def birth(genome, development, continual, material, scene, given_inputs, control_step):
+    """Grow a genome and bring its body to rest with the muscles where its network holds them.
+
+    Returns: (OK, NO_GROWTH or NO_CHAMBER; Life, which moves only if OK).
+    """
+    weights, units, embryo = develop(
+        genome, development, continual, given_inputs, np.empty((0, 0, 0)), np.empty((0, 0)), np.empty((0, 0, 0), np.int64)
+    )
+    cells = embryo.position.shape[0]
+    body = build_body(embryo.position, embryo.edges, embryo.start, embryo.neighbour, material.mass)
+    status = OK
+    if cells < 2:
+        status = NO_GROWTH
+    elif body.triangle_area.size + body.polygon_area.size == 0:
+        status = NO_CHAMBER
+    network = prune(weights, units, np.array([False, False, True, True]), given_inputs)
+    law = make_law(material, scene)
+    past = embryo.past if continual else _keep_read(embryo.past, weights, units, given_inputs, network)
+    life = Life(
+        body, law, network, units, embryo.table, past, embryo.delay, embryo.start, embryo.neighbour, embryo.steps,
+        np.empty((network.nodes.size, cells)), np.empty(cells), np.empty(cells), np.empty(body.rest_length.size),
+        body.position.copy(), np.zeros((cells, 2)), make_scratch(cells),
+        choose_substeps(body, law, control_step) if status == OK else 0,
+    )
+    if status == OK:
+        for i in range(cells):
+            life.muscle[i] = embryo.table[units + EXPANSION, i] - embryo.table[units + CONTRACTION, i]
+        set_rest_lengths(body, life.muscle, life.rest)
+        settle(body, law, life.rest, life.position, life.velocity, SETTLE_TOLERANCE, SETTLE_LIMIT, life.scratch)
+    return status, life
+
+
+@kernel
+def live(life, step, until, seconds, development, continual, range_of_muscle, track, traces):
+    """Live from one control step to another, in place: each is one regulation step, then the body for as many seconds.
+
+    Args: range_of_muscle (2, N): least and most e - c, widened, or empty; track and traces as for `swim`.
+
+    Returns: (status, step reached): OK; RESTING, seen now and then: nothing will ever change again; or UNSTABLE_PHYSICS or
+    INVERTED_CHAMBER in that step.
+    """
+    body, law, network, table, past, drive = life.body, life.law, life.network, life.table, life.past, life.drive
+    muscle, rest, position, velocity, scratch = life.muscle, life.rest, life.position, life.velocity, life.scratch
+    start, neighbour, share, delay = life.start, life.neighbour, life.share, life.delay
+    cells = muscle.size
+    e, c = table[life.units + EXPANSION], table[life.units + CONTRACTION]
+    while step < until:
+        if track.size:
+            track[step, :cells, :2] = position
+            track[step, :cells, 2:] = velocity
+            traces[step, :cells] = muscle
+        if continual:
+            exchange(network, table, start, neighbour, cells, share)
+        else:
+            now = life.born + step
+            remember(network, table, past, now, cells)
+            diffuse(network, table, past, now, delay, cells, development.morphogen_range)
+        regulate(network, table, drive, cells, development.regulation_rate)
+        for i in range(cells):
+            muscle[i] = e[i] - c[i]
+        set_rest_lengths(body, muscle, rest)
+        outcome = advance(body, law, rest, position, velocity, seconds, life.substeps, scratch)
+        if outcome != SOUND:
+            return (INVERTED_CHAMBER if outcome == INVERTED else UNSTABLE_PHYSICS), step
+        step += 1
+        if range_of_muscle.size:
+            for i in range(cells):
+                range_of_muscle[0, i] = min(range_of_muscle[0, i], muscle[i])
+                range_of_muscle[1, i] = max(range_of_muscle[1, i], muscle[i])
+        if continual and step % _LOOK == 0 and unrest(network, table, drive, cells) < REST:
+            if _rests(body, law, rest, position, velocity, scratch):
+                return RESTING, step
+    return OK, step
+
+
+@kernel
 def swim(genome, task, development, continual, material, scene, given_inputs, track, traces):
     """Evaluate a genome: growth and the whole swim in one call.
 
@@ -67,75 +148,31 @@ def swim(genome, task, development, continual, material, scene, given_inputs, tr
 
     Returns: Swim.
     """
-    none = np.empty((0, 0, 0))
     path = np.zeros((task.windows + 1, 2))
     middle = np.zeros(2)
-    weights, units, embryo = develop(
-        genome, development, continual, given_inputs, none, np.empty((0, 0)), np.empty((0, 0, 0), np.int64)
-    )
-    cells, springs = embryo.position.shape[0], embryo.edges.shape[0]
-    if cells < 2:
-        return Swim(NO_GROWTH, -1, path, middle, 0.0, 0, cells, springs, 0)
-    body = build_body(embryo.position, embryo.edges, embryo.start, embryo.neighbour, material.mass)
+    status, life = birth(genome, development, continual, material, scene, given_inputs, task.control_step)
+    body, position, muscle = life.body, life.position, life.muscle
+    cells, springs = muscle.size, body.rest_length.size
     chambers = body.triangle_area.size + body.polygon_area.size
-    if chambers == 0:
-        return Swim(NO_CHAMBER, -1, path, middle, 0.0, 0, cells, springs, 0)
+    if status != OK:
+        return Swim(status, -1, path, middle, 0.0, 0, cells, springs, chambers)
 
-    network = prune(weights, units, np.array([False, False, True, True]), given_inputs)
-    law = make_law(material, scene)
-    substeps = choose_substeps(body, law, task.control_step)
-    scratch = make_scratch(cells)
-    table, past, delay = embryo.table, embryo.past, embryo.delay
-    drive = np.empty((network.nodes.size, cells))
-    position, velocity, rest = body.position.copy(), np.zeros((cells, 2)), np.empty(springs)
-    muscle, share = np.empty(cells), np.empty(cells)
-    low, high = np.full(cells, np.inf), np.full(cells, -np.inf)
-    e, c = table[units + EXPANSION], table[units + CONTRACTION]
-    if not continual:
-        past = _keep_read(past, weights, units, given_inputs, network)
-
-    for i in range(cells):
-        muscle[i] = e[i] - c[i]
-    set_rest_lengths(body, muscle, rest)
-    settle(body, law, rest, position, velocity, SETTLE_TOLERANCE, SETTLE_LIMIT, scratch)
-
-    status, failed_step = OK, -1
     window, half = task.control_steps // task.windows, task.control_steps // 2
+    unread, range_of_muscle = np.empty((0, 0)), np.empty((2, cells))
+    range_of_muscle[0], range_of_muscle[1] = np.inf, -np.inf
     path[0] = centre_of_mass(position, body.inverse_mass)
     step = 0
-    while step < task.control_steps:
-        if track.size:
-            track[step, :cells, :2] = position
-            track[step, :cells, 2:] = velocity
-            traces[step, :cells] = muscle
-        if continual:
-            exchange(network, table, embryo.start, embryo.neighbour, cells, share)
-        else:
-            now = embryo.steps + step
-            remember(network, table, past, now, cells)
-            diffuse(network, table, past, now, delay, cells, development.morphogen_range)
-        regulate(network, table, drive, cells, development.regulation_rate)
-        for i in range(cells):
-            muscle[i] = e[i] - c[i]
-        set_rest_lengths(body, muscle, rest)
-        outcome = advance(body, law, rest, position, velocity, task.control_step, substeps, scratch)
-        if outcome != SOUND:
-            status = INVERTED_CHAMBER if outcome == INVERTED else UNSTABLE_PHYSICS
-            failed_step = step
-            break
-        step += 1
-        if step > half:
-            for i in range(cells):
-                low[i] = min(low[i], muscle[i])
-                high[i] = max(high[i], muscle[i])
+    while step < task.control_steps and status == OK:
+        until = step + window - step % window
+        if step < half < until:
+            until = half
+        status, step = live(
+            life, step, until, task.control_step, development, continual, unread if until <= half else range_of_muscle, track, traces
+        )
         if step % window == 0:
             path[step // window] = centre_of_mass(position, body.inverse_mass)
         if step == half:
             middle[0], middle[1] = centre_of_mass(position, body.inverse_mass)
-        if continual and step % _LOOK == 0 and unrest(network, table, drive, cells) < REST:
-            if _rests(body, law, rest, position, velocity, scratch):
-                status = RESTING
-                break
     if status == RESTING:
         for w in range(step // window + 1, task.windows + 1):
             path[w] = centre_of_mass(position, body.inverse_mass)
@@ -144,13 +181,14 @@ def swim(genome, task, development, continual, material, scene, given_inputs, tr
     if track.size:
         for later in range(step, task.control_steps + 1):
             track[later, :cells, :2] = position
-            track[later, :cells, 2:] = velocity
+            track[later, :cells, 2:] = life.velocity
             traces[later, :cells] = muscle
     amplitude = 0.0
     if step > half:
         for i in range(cells):
-            amplitude += 0.5 * (high[i] - low[i]) / cells
-    return Swim(status, failed_step, path, middle, amplitude, substeps, cells, springs, chambers)
+            amplitude += 0.5 * (range_of_muscle[1, i] - range_of_muscle[0, i]) / cells
+    failed_step = step if status == UNSTABLE_PHYSICS or status == INVERTED_CHAMBER else -1
+    return Swim(status, failed_step, path, middle, amplitude, life.substeps, cells, springs, chambers)
 
 
 @kernel
