@@ -115,7 +115,7 @@ def _score(result, task: Task) -> Evaluation:
         chambers=result.chambers,
         substeps=result.substeps,
         distance=0.0 if failed else float(np.hypot(*(path[-1] - path[0]))),
-        distance_second_half=0.0 if failed else float(np.hypot(*(path[-1] - result.middle))),
+        distance_second_half=0.0 if failed else float(np.hypot(*(path[-1] - path[task.windows // 2]))),
         slowest_window=0.0 if failed else float(np.hypot(*np.diff(path, axis=0).T).min()),
         activation_amplitude=0.0 if failed else result.amplitude,
     )
@@ -124,7 +124,9 @@ def _score(result, task: Task) -> Evaluation:
         if result.failed_step >= 0:
             cause += f", at control step {result.failed_step}"
         return Evaluation(fitness, status, cause, metrics)
-    fitness = task.windows * metrics.slowest_window + task.activity_bonus * metrics.activation_amplitude
+    # Motion counts only as far as muscles move it, to the end: creeping and coasting with a network at rest earn nothing.
+    active = min(1.0, metrics.activation_amplitude / task.full_activity)
+    fitness = active * (task.windows * metrics.slowest_window + task.activity_bonus)
     return Evaluation(fitness, status, "", metrics)
 
 

@@ -104,17 +104,18 @@ class Task(Checked):
     scene: Scene = Scene()
     control_steps: int = parameter(2000, 1, 10_000_000, "", "of locomotion, one regulation step each")
     control_step: float = parameter(1 / 60, 1e-9, 1.0, "s", "duration of a control step")
-    windows: int = parameter(4, 1, 1000, "", "equal parts of the run of which the slowest counts")
-    activity_bonus: float = parameter(0.1, 0.0, 1e6, "m", "fitness for full muscle activity in the last half")
+    windows: int = parameter(4, 2, 1000, "", "equal parts of the run, an even number, of which the slowest counts")
+    full_activity: float = parameter(0.1, 1e-9, 1.0, "", "amplitude of e - c from which on motion counts in full")
+    activity_bonus: float = parameter(0.5, 0.0, 1e6, "m", "fitness for full activity of the muscles alone")
 
     def __post_init__(self):
         super().__post_init__()
         if self.name not in TASKS:
             raise ParameterError(f"task {self.name!r} is unknown: choose one of {', '.join(TASKS)}")
-        if self.control_steps % self.windows or self.control_steps < 2:
-            raise ParameterError(
-                f"task.control_steps is {self.control_steps}: give a multiple of the {self.windows} windows, 2 at the least"
-            )
+        if self.windows % 2:
+            raise ParameterError(f"task.windows is {self.windows}: give an even number, so that the run has two halves")
+        if self.control_steps % self.windows:
+            raise ParameterError(f"task.control_steps is {self.control_steps}: give a multiple of the {self.windows} windows")
 
 
 TASKS = ("swim",)

@@ -23,8 +23,8 @@ _STILL = 1e-7  # m/s and m/s^2 below which a body rests
 _LOOK = 50  # control steps between looks at whether all rests
 
 # failed_step: control step at which physics failed, -1 for none; path (windows + 1, 2): the centre of mass at the ends of the
-# windows; middle (2,): and halfway; amplitude: half of max - min of e - c in the last half, mean over cells
-Swim = namedtuple("Swim", "status failed_step path middle amplitude substeps cells springs chambers")
+# windows; amplitude: half of max - min of e - c in a window, mean over cells, in the window where it is least
+Swim = namedtuple("Swim", "status failed_step path amplitude substeps cells springs chambers")
 # A living animat.  Changed by `live`: position, velocity (N, 2), muscle (N,) of e - c, table, past; the rest is scratch
 # or stays.  born: regulation steps of growth; start, neighbour: the graph; substeps: 0 where there is no body to move.
 Life = namedtuple(
@@ -149,46 +149,38 @@ def swim(genome, task, development, continual, material, scene, given_inputs, tr
     Returns: Swim.
     """
     path = np.zeros((task.windows + 1, 2))
-    middle = np.zeros(2)
     status, life = birth(genome, development, continual, material, scene, given_inputs, task.control_step)
     body, position, muscle = life.body, life.position, life.muscle
     cells, springs = muscle.size, body.rest_length.size
     chambers = body.triangle_area.size + body.polygon_area.size
     if status != OK:
-        return Swim(status, -1, path, middle, 0.0, 0, cells, springs, chambers)
+        return Swim(status, -1, path, 0.0, 0, cells, springs, chambers)
 
-    window, half = task.control_steps // task.windows, task.control_steps // 2
-    unread, range_of_muscle = np.empty((0, 0)), np.empty((2, cells))
-    range_of_muscle[0], range_of_muscle[1] = np.inf, -np.inf
-    path[0] = centre_of_mass(position, body.inverse_mass)
+    length = task.control_steps // task.windows
+    range_of_muscle = np.empty((2, cells))
+    amplitude = 2.0
+    path[:, 0], path[:, 1] = centre_of_mass(position, body.inverse_mass)
     step = 0
-    while step < task.control_steps and status == OK:
-        until = step + window - step % window
-        if step < half < until:
-            until = half
+    for window in range(task.windows):
+        range_of_muscle[0], range_of_muscle[1] = np.inf, -np.inf
         status, step = live(
-            life, step, until, task.control_step, development, continual, unread if until <= half else range_of_muscle, track, traces
+            life, step, step + length, task.control_step, development, continual, range_of_muscle, track, traces
         )
-        if step % window == 0:
-            path[step // window] = centre_of_mass(position, body.inverse_mass)
-        if step == half:
-            middle[0], middle[1] = centre_of_mass(position, body.inverse_mass)
-    if status == RESTING:
-        for w in range(step // window + 1, task.windows + 1):
-            path[w] = centre_of_mass(position, body.inverse_mass)
-        if step < half:
-            middle[0], middle[1] = centre_of_mass(position, body.inverse_mass)
+        path[window + 1 :, 0], path[window + 1 :, 1] = centre_of_mass(position, body.inverse_mass)
+        if status != OK:
+            amplitude = 0.0
+            break
+        total = 0.0
+        for i in range(cells):
+            total += 0.5 * (range_of_muscle[1, i] - range_of_muscle[0, i])
+        amplitude = min(amplitude, total / cells)
     if track.size:
         for later in range(step, task.control_steps + 1):
             track[later, :cells, :2] = position
             track[later, :cells, 2:] = life.velocity
             traces[later, :cells] = muscle
-    amplitude = 0.0
-    if step > half:
-        for i in range(cells):
-            amplitude += 0.5 * (range_of_muscle[1, i] - range_of_muscle[0, i]) / cells
     failed_step = step if status == UNSTABLE_PHYSICS or status == INVERTED_CHAMBER else -1
-    return Swim(status, failed_step, path, middle, amplitude, life.substeps, cells, springs, chambers)
+    return Swim(status, failed_step, path, amplitude, life.substeps, cells, springs, chambers)
 
 
 @kernel

@@ -1,0 +1,104 @@
+"""The genetic algorithm as ask/tell: selection climbs, the elite lives on, equal seeds give equal runs, the run ends."""
+
+import numpy as np
+import pytest
+from evodevo_ga import Evolution, Settings, diversity
+from evodevo_sim import Evaluation, Metrics, ParameterError, Status, random_genome
+
+
+def evaluation(fitness):
+    return Evaluation(float(fitness), Status.OK, "", Metrics())
+
+
+def near_origin(genome):
+    """A cheap fitness with a known best: all points at the origin."""
+    return evaluation(-np.hypot(genome.x, genome.y).mean())
+
+
+def run(settings, seed, score=near_origin, order=None):
+    evolution, history = Evolution(settings, seed), []
+    while not evolution.finished:
+        asked = evolution.ask()
+        indices = range(len(asked)) if order is None else order(len(asked))
+        results = {i: score(asked[i]) for i in indices}
+        history.append(evolution.tell([results[i] for i in range(len(asked))]))
+    return evolution, history
+
+
+def test_selection_climbs_and_never_loses_its_best():
+    _, history = run(Settings(population=40, generations=40, point_scale=0.5), 3)
+    best = [generation.best for generation in history]
+    assert np.all(np.diff(best) >= 0)
+    assert best[-1] > best[0] + 0.15
+    assert [generation.generation for generation in history] == list(range(40))
+
+
+def test_equal_seeds_give_equal_runs_in_any_order_of_evaluation():
+    settings = Settings(population=20, generations=10)
+    shuffled = lambda n: np.random.default_rng(n).permutation(n)
+    one, history = run(settings, 5)
+    two, again = run(settings, 5, order=shuffled)
+    assert history == again and one.champion.genome == two.champion.genome
+    assert run(settings, 6)[1] != history
+
+
+def test_nothing_known_is_evaluated_again():
+    seen = []
+
+    def score(genome):
+        seen.append(genome.key())
+        return near_origin(genome)
+
+    evolution, _ = run(Settings(population=30, generations=8, point_mutation=0.01, flip=0.0), 1, score)
+    assert evolution.evaluations == len(seen) < 30 * 8
+    assert evolution.ask() is not None and not {g.key() for g in evolution.ask()} & {p.genome.key() for p in evolution.population}
+
+
+def test_the_elite_lives_on_unchanged():
+    evolution = Evolution(Settings(population=10, elite=3, generations=5), 0)
+    evolution.tell([evaluation(i) for i in range(len(evolution.ask()))])
+    elite = [one.genome for one in evolution.population[:3]]
+    evolution.tell([evaluation(-1) for _ in evolution.ask()])
+    assert [one.genome for one in evolution.population[:3]] == elite
+
+
+def test_patience_ends_a_run():
+    evolution, history = run(Settings(population=5, generations=1000, patience=7), 0, lambda genome: evaluation(1))
+    assert len(history) == 8 and evolution.stagnation == 7
+
+
+def test_equals_drift():
+    evolution = Evolution(Settings(population=10, generations=5), 0)
+    evolution.tell([evaluation(0) for _ in evolution.ask()])
+    first = evolution.champion.genome
+    evolution.tell([evaluation(0) for _ in evolution.ask()])
+    assert evolution.champion.genome != first
+
+
+def test_diversity_is_nought_for_clones_and_one_for_strangers():
+    genomes = [random_genome(np.random.default_rng(i)) for i in range(4)]
+    assert diversity([genomes[0]] * 5) == 0.0
+    assert diversity(genomes) == 1.0
+    assert diversity([genomes[0], genomes[0], genomes[1], genomes[1]]) == pytest.approx(2 / 3, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    "bad, says",
+    [
+        (dict(population=1), "settings.population"),
+        (dict(elite=100), "settings.elite is 100"),
+        (dict(crossover=1.5), "settings.crossover"),
+        (dict(point_scale=float("nan")), "settings.point_scale"),
+        (dict(generations=2.5), "settings.generations is 2.5: give a whole number"),
+    ],
+)
+def test_settings_that_cannot_work_are_named(bad, says):
+    with pytest.raises(ParameterError, match=says):
+        Settings(**bad)
+
+
+def test_a_wrong_number_of_evaluations_is_refused():
+    evolution = Evolution(Settings(population=5))
+    evolution.ask()
+    with pytest.raises(ValueError, match="3 evaluations for 5 genomes"):
+        evolution.tell([evaluation(0)] * 3)
