@@ -68,17 +68,20 @@ environment_recipe() {
 
 environment_in_place() {
     [ -x .venv/bin/python ] && [ -e $environment_stamp ] && [ "$(<$environment_stamp)" = "$(environment_recipe)" ] || return
-    [ -z "$PYTHON" ] || [[ $(<$environment_stamp) == *" $("$PYTHON" -V 2>/dev/null) "* ]]
+    [ -z "$PYTHON" ] || [[ $(<$environment_stamp) == *" $("$PYTHON" -V 2>&1 || echo none) "* ]]
 }
 
 make_environment() {
-    local python
+    local python install=(.venv/bin/python -m pip install --no-deps --require-hashes --no-input --disable-pip-version-check)
     check_machine
     python="$(find_python)"
     say "installing ROS 2 and Python packages into .venv with $("$python" -V): 1 to 3 minutes, 1.6 GB"
     rm -rf .venv
     quietly "$python" -m venv .venv
-    quietly .venv/bin/python -m pip install --no-deps --require-hashes --no-input --disable-pip-version-check -r requirements.lock
+    # setuptools first, from the lock too: it builds the one package that has no wheel.
+    sed -n '/^setuptools==/,/[^\\]$/p' requirements.lock >.venv/setuptools.lock
+    quietly "${install[@]}" -r .venv/setuptools.lock
+    quietly "${install[@]}" --no-build-isolation --use-pep517 -r requirements.lock
     quietly .venv/bin/python scripts/fix_wheels.py
     environment_recipe >$environment_stamp
 }
@@ -92,13 +95,20 @@ package_recipe() {
         | cat - "src/$1"/{package.xml,setup.py,setup.cfg,CMakeLists.txt,msg/*,srv/*} 2>/dev/null | sha256sum
 }
 
+# Whether a build without --symlink-install put copies of the Python modules where the links were.
+has_copies() {
+    [ -e "src/$1/setup.py" ] && compgen -G "ros_ws/install/$1/lib/python*/site-packages/$1" >/dev/null
+}
+
 build_packages() {
     local package changed
     local -A recipe
     cmp -s $environment_stamp $stamps/environment || rm -rf ros_ws/build ros_ws/install
     for package in evodevo_msgs evodevo_sim evodevo_ga; do
         recipe[$package]="$(package_recipe $package)"  # of what stands before the build: an edit during it counts as a change
-        [ -e $stamps/$package ] || rm -rf ros_ws/{build,install}/$package  # half-built
+        if [ ! -e $stamps/$package ] || has_copies $package; then
+            rm -rf ros_ws/{build,install}/$package $stamps/$package
+        fi
         [ "$(cat $stamps/$package 2>/dev/null)" = "${recipe[$package]}" ] || changed+="$package "
     done
     [ -n "$changed" ] || return 0

@@ -1,0 +1,1 @@
+"""The nodes: thin shells of ROS around the library."""

@@ -1,0 +1,193 @@
+"""The evolve node end to end: real nodes over DDS on loopback, the same bits everywhere, and nothing lost when things go wrong."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+from evodevo_ga import Evolution, Settings
+from evodevo_ga.in_process import evaluate_all
+from evodevo_sim import Task, evaluate, load_genome
+from evodevo_sim.parameters import with_settings
+from evodevo_sim.recording import read_recording
+
+SMALL = ["--generations", "4", "--population", "14", "--cells", "8", "--seed", "3", "--set", "control_steps=80"]
+TASK = with_settings(Task(), {"development.max_cells": 8, "control_steps": 80})
+DEADLINE = 120.0
+
+
+def start(*arguments, out, **popen):
+    command = [sys.executable, "-m", "evodevo_ga.evolve", *SMALL, *arguments, "--out", str(out)]
+    environment = {k: v for k, v in os.environ.items() if k != "ROS_AUTOMATIC_DISCOVERY_RANGE"}
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment, **popen)
+
+
+def run(*arguments, out):
+    process = start(*arguments, out=out)
+    stdout, stderr = process.communicate(timeout=DEADLINE)
+    return process.returncode, stdout, stderr
+
+
+@pytest.fixture(scope="module")
+def in_process():
+    evolution = Evolution(Settings(generations=4, population=14), 3)
+    history = []
+    while not evolution.finished:
+        history.append(evolution.tell(evaluate_all(evolution.ask(), TASK, 3)))
+    return evolution, history
+
+
+@pytest.mark.parametrize("simulators", ["1", "2"])
+def test_a_run_through_nodes_is_the_run_in_process_bit_for_bit(tmp_path, in_process, simulators):
+    evolution, history = in_process
+    code, stdout, stderr = run("--simulators", simulators, out=tmp_path / "run")
+    assert code == 0, stderr
+    assert "ros2 run evodevo_sim replay" in stdout
+    assert load_genome(tmp_path / "run/champion.yaml") == evolution.champion.genome
+    recording = read_recording(tmp_path / "run")
+    assert [s.best for s in recording.statistics] == [g.best for g in history]
+    assert [s.median for s in recording.statistics] == [g.median for g in history]
+    assert [s.diversity for s in recording.statistics] == [g.diversity for g in history]
+    assert recording.settings.seed == 3 and recording.settings.task.development.max_cells == 8
+
+
+def test_a_run_uses_the_simulators_on_the_graph_and_outlives_one(tmp_path, in_process):
+    nodes = [
+        subprocess.Popen(
+            [sys.executable, "-m", "evodevo_sim.nodes.simulator", "--ros-args", "-r", f"__ns:=/lab_{os.getpid()}_{i}"],
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        )
+        for i in range(2)
+    ]
+    try:
+        wait_for_services(nodes)
+        process = start(out=tmp_path / "run")
+        first = process.stdout.readline()
+        while "Compiling" in first:
+            first = process.stdout.readline()
+        assert "2 simulators of the graph" in first, first
+        nodes[0].kill()
+        stdout, stderr = process.communicate(timeout=DEADLINE)
+        assert process.returncode == 0, stderr
+        assert load_genome(tmp_path / "run/champion.yaml") == in_process[0].champion.genome
+        assert nodes[1].poll() is None  # not ours, so not ended
+    finally:
+        for node in nodes:
+            node.kill()
+            node.wait()
+
+
+def wait_for_services(nodes):
+    import rclpy
+    from evodevo_ga.fleet import find_simulators
+
+    rclpy.init()
+    try:
+        node = rclpy.create_node("waits_for_simulators")
+        deadline = time.monotonic() + DEADLINE
+        while len([s for s in find_simulators(node) if f"lab_{os.getpid()}_" in s]) < len(nodes):
+            assert time.monotonic() < deadline and all(n.poll() is None for n in nodes)
+            rclpy.spin_once(node, timeout_sec=0.1)
+        node.destroy_node()
+    finally:
+        rclpy.try_shutdown()
+
+
+def own_simulators(pid):
+    """Process ids of simulators in the namespace of the evolve process `pid`."""
+    found = []
+    for entry in os.listdir("/proc"):
+        if entry.isdigit():
+            try:
+                with open(f"/proc/{entry}/cmdline", "rb") as file:
+                    command = file.read()
+            except OSError:
+                continue
+            if f"/_evolve_{pid}/".encode() in command:
+                found.append(int(entry))
+    return found
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupted_run_keeps_what_was_done_and_ends_its_simulators(tmp_path, number):
+    process = start("--generations", "100000", "--simulators", "1", out=tmp_path / "run")
+    deadline = time.monotonic() + DEADLINE
+    while not (tmp_path / "run/champion.yaml").exists():
+        assert time.monotonic() < deadline and process.poll() is None
+        select_stderr(process)
+    process.send_signal(number)
+    stdout, stderr = process.communicate(timeout=DEADLINE)
+    assert process.returncode == 130, stderr
+    assert "Traceback" not in stderr and "Champion: fitness" in stdout
+    recording = read_recording(tmp_path / "run")
+    assert not recording.truncated and len(recording.statistics) >= 1 and len(recording.champions) >= 1
+    best = load_genome(tmp_path / "run/champion.yaml")
+    assert evaluate(best, TASK, 3).fitness == recording.statistics[-1].best
+    assert not own_simulators(process.pid)
+
+
+def select_stderr(process):
+    """Wait a moment for output of the process, without sleeping longer than it is silent."""
+    import select
+
+    ready, _, _ = select.select([process.stderr], [], [], 0.1)
+    if ready:
+        os.read(process.stderr.fileno(), 65536)
+
+
+def test_a_killed_run_leaves_no_simulators_and_a_recording_that_can_be_read(tmp_path):
+    process = start("--generations", "100000", "--simulators", "1", out=tmp_path / "run")
+    deadline = time.monotonic() + DEADLINE
+    while not (tmp_path / "run/champion.yaml").exists():
+        assert time.monotonic() < deadline and process.poll() is None
+        select_stderr(process)
+    assert own_simulators(process.pid)
+    process.kill()
+    process.communicate()
+    while own_simulators(process.pid):
+        assert time.monotonic() < deadline
+    load_genome(tmp_path / "run/champion.yaml")
+
+
+@pytest.mark.parametrize(
+    "arguments, says",
+    [
+        (["--task", "fly"], "task 'fly' is unknown: choose one of swim"),
+        (["--population", "1"], "settings.population is 1"),
+        (["--population", "many"], "--population"),
+        (["--seed", "-1"], "--seed is -1"),
+        (["--cells", "0"], "development.max_cells is 0"),
+        (["--set", "scene.drag=3"], "did you mean 'scene.drag_normal'"),
+        (["--set", "scene.drag_normal=thick"], "scene.drag_normal is 'thick'"),
+        (["--set", "windows=3"], "task.windows is 3"),
+        (["--speed", "9"], "--speed"),
+        (["--simulators", "0"], "--simulators is 0"),
+    ],
+)
+def test_bad_flags_get_one_line_and_exit_code_2(tmp_path, arguments, says):
+    code, stdout, stderr = run(*arguments, out=tmp_path / "run")
+    assert code == 2 and says in stderr and stderr.count("\n") == 1
+    assert not (tmp_path / "run").exists()
+
+
+def test_an_existing_directory_is_never_overwritten(tmp_path):
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run/precious").write_text("data")
+    code, _, stderr = run(out=tmp_path / "run")
+    assert code == 2 and stderr.count("\n") == 1 and str(tmp_path / "run") in stderr
+    assert [p.name for p in (tmp_path / "run").iterdir()] == ["precious"]
+
+
+def test_a_place_that_cannot_be_written_gets_one_line(tmp_path):
+    (tmp_path / "file").write_text("")
+    code, _, stderr = run(out=tmp_path / "file/run")
+    assert code == 2 and stderr.count("\n") == 1
+
+
+def test_help_teaches(tmp_path):
+    code, stdout, _ = run("--help", out=tmp_path)
+    assert code == 0
+    for word in ("--generations", "--set", "ros2 run evodevo_ga evolve", "replay", "champion.yaml"):
+        assert word in stdout
