@@ -40,7 +40,7 @@ def top_level() -> list[Requirement]:
 def test_lock_holds_only_pinned_and_hashed_packages():
     entries = (ROOT / "requirements.lock").read_text().replace("\\\n", " ").splitlines()
     for entry in entries:
-        assert re.fullmatch(r"[\w.-]+==[\w.]+( ; [\w\s.'<>=]+?)?(\s+--hash=sha256:[0-9a-f]{64})+\s*", entry), entry
+        assert re.fullmatch(r"[\w.-]+==[\w.]+( ; [\w\s.'<>=!]+?)?(\s+--hash=sha256:[0-9a-f]{64})+\s*", entry), entry
 
 
 @pytest.mark.parametrize("requirement", top_level(), ids=str)
