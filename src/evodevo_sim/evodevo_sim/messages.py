@@ -94,6 +94,18 @@ def body_message(body, frame: str = "world", stamp: float = 0.0) -> msg.Body:
     )
 
 
+def graph_message(position, edges, frame: str = "world", stamp: float = 0.0) -> msg.Body:
+    """The message of an embryo's graph: springs alone.  Args: position (N, 2) m; edges (E, 2)."""
+    length = np.linalg.norm(position[edges[:, 0]] - position[edges[:, 1]], axis=1)
+    return msg.Body(
+        header=Header(stamp=time_message(stamp), frame_id=frame),
+        cells=len(position),
+        spring_a=_array("I", edges[:, 0]),
+        spring_b=_array("I", edges[:, 1]),
+        rest_length=_array("d", length),
+    )
+
+
 def _array(typecode, values):
     """What a message's array field takes without looking at every entry."""
     return array(typecode, np.asarray(values, typecode).tobytes())

@@ -1,0 +1,36 @@
+"""Records a whole life: growth, body and locomotion."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..evaluation import Performance
+from ..messages import body_message, cell_states_message, graph_message
+
+
+def record_performance(recorder, performance: Performance, stamp: int) -> None:
+    """Write a life to a `Recorder`, from `stamp` ns on.
+
+    Growth comes first, a regulation step as long as a control step, and the stamps in the messages run on from it.
+    """
+    step = float(performance.time[1])
+    edges = np.empty((0, 2))
+    for k, (position, activation) in enumerate(zip(performance.growth, performance.growth_activation)):
+        seconds, alive = k * step, np.isfinite(position[:, 0])
+        now = stamp + round(seconds * 1e9)
+        if not np.array_equal(edges, performance.growth_edges[k]):
+            edges = performance.growth_edges[k]
+            recorder.write("growth/body", graph_message(position[alive], edges, stamp=seconds), now, latched=True)
+        still = np.zeros((int(alive.sum()), 2))
+        recorder.write("growth/cell_states", cell_states_message(position[alive], still, activation[alive], k, seconds), now)
+    if performance.body is None:
+        return
+    born = len(performance.growth) * step
+    recorder.write("body", body_message(performance.body, stamp=born), stamp + round(born * 1e9), latched=True)
+    states = zip(performance.time, performance.position, performance.velocity, performance.activation)
+    for k, (time, position, velocity, activation) in enumerate(states):
+        if np.isfinite(position[0, 0]):
+            seconds = born + time
+            recorder.write(
+                "cell_states", cell_states_message(position, velocity, activation, k, seconds), stamp + round(seconds * 1e9)
+            )

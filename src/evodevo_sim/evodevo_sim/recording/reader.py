@@ -1,0 +1,116 @@
+"""Reads recordings, whole ones and those whose writer was killed."""
+
+from __future__ import annotations
+
+import os
+import struct
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from evodevo_msgs import msg
+from mcap.exceptions import InvalidMagic, McapError
+from mcap.reader import NonSeekingReader
+from rclpy.serialization import deserialize_message
+
+from .definitions import RecordingError, definition
+
+_HOW = "give a directory that `evolve` or `ros2 bag record -s mcap` made"
+
+
+@dataclass
+class Recording:
+    """The messages of a recording, in the order in which they were written; what it does not hold is None or empty.
+
+    Attributes: settings: Evolution; statistics: GenerationStatistics; champions: Champion; growth and states: CellStates;
+    growth_bodies: Body, where the embryo's graph changed; body: Body; truncated: whether the end is missing.
+    """
+
+    path: Path
+    settings: msg.Evolution | None = None
+    statistics: list[msg.GenerationStatistics] = field(default_factory=list)
+    champions: list[msg.Champion] = field(default_factory=list)
+    growth: list[msg.CellStates] = field(default_factory=list)
+    growth_bodies: list[msg.Body] = field(default_factory=list)
+    body: msg.Body | None = None
+    states: list[msg.CellStates] = field(default_factory=list)
+    truncated: bool = False
+
+
+_LISTS = {
+    "/evolution/statistics": ("statistics", msg.GenerationStatistics),
+    "/evolution/champion": ("champions", msg.Champion),
+    "/growth/cell_states": ("growth", msg.CellStates),
+    "/growth/body": ("growth_bodies", msg.Body),
+    "/cell_states": ("states", msg.CellStates),
+}
+_SINGLE = {"/evolution/settings": ("settings", msg.Evolution), "/body": ("body", msg.Body)}
+
+
+def read_recording(path: str | os.PathLike) -> Recording:
+    """Read a recording, as far as it goes.
+
+    Topics count whatever namespace they are in; of several animats the first one is read.
+
+    Args: path: a directory with MCAP files, or one such file.  Raises RecordingError.
+    """
+    recording = Recording(Path(path))
+    wanted: dict[str, tuple[str, type, bool] | None] = {}
+    for file in _files(recording.path):
+        try:
+            with open(file, "rb") as stream:
+                for schema, channel, message in NonSeekingReader(stream).iter_messages(log_time_order=False):
+                    if channel.topic not in wanted:
+                        wanted[channel.topic] = _choose(channel.topic, schema, file, wanted)
+                    if wanted[channel.topic]:
+                        _keep(recording, message.data, *wanted[channel.topic])
+        except OSError as error:
+            raise RecordingError(f"{file}: {error.strerror}: {_HOW}") from None
+        except InvalidMagic:
+            if not wanted and not _begins_as_mcap(file):
+                raise RecordingError(f"{file} is not an MCAP file: {_HOW}") from None
+            recording.truncated = True
+        except (McapError, struct.error, ValueError, KeyError, MemoryError):
+            recording.truncated = True
+    if not any(wanted.values()):
+        what = "was cut before its first message" if recording.truncated else "holds nothing of evodevo's"
+        raise RecordingError(f"{recording.path} {what}: {_HOW}")
+    return recording
+
+
+def _files(path: Path) -> list[Path]:
+    if path.is_file():
+        return [path]
+    if not path.is_dir():
+        raise RecordingError(f"{path} does not exist: {_HOW}")
+    files = sorted(path.glob("*.mcap"))
+    if not files:
+        raise RecordingError(f"{path} holds no .mcap file: {_HOW}")
+    return files
+
+
+def _begins_as_mcap(file: Path) -> bool:
+    with open(file, "rb") as stream:
+        return stream.read(5) == b"\x89MCAP"
+
+
+def _choose(topic, schema, file, wanted):
+    """Where the messages of a topic go: (attribute, type, whether it is a list), or None."""
+    for table, many in ((_LISTS, True), (_SINGLE, False)):
+        ending = next((e for e in sorted(table, key=len, reverse=True) if topic.endswith(e)), None)
+        if ending is None:
+            continue
+        attribute, message_type = table[ending]
+        if any(choice and choice[0] == attribute for choice in wanted.values()):
+            return None
+        if schema is None or schema.data.decode(errors="replace").split() != definition(f"evodevo_msgs/msg/{message_type.__name__}").split():
+            raise RecordingError(f"{file}: {topic} was recorded with other message types: replay it with the version that made it")
+        return attribute, message_type, many
+    return None
+
+
+def _keep(recording, data, attribute, message_type, many):
+    message = deserialize_message(data, message_type)
+    if many:
+        getattr(recording, attribute).append(message)
+    else:
+        setattr(recording, attribute, message)

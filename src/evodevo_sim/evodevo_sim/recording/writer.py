@@ -1,0 +1,149 @@
+"""Writes a rosbag2 recording in MCAP."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import time
+from pathlib import Path
+
+import yaml
+from mcap.writer import CompressionType, Writer
+from rclpy.serialization import serialize_message
+
+from .definitions import RecordingError, definition, type_hash, type_name
+
+_CHUNK = 128 * 1024  # bytes of messages that share a compressed chunk
+_KEEP_WITHIN = 1.0  # s after which a message is on disk, come what may
+_INFINITE = {"sec": 9223372036, "nsec": 854775807}
+
+
+class _Plain(yaml.SafeDumper):
+    """Without anchors: each topic's entry can be read alone."""
+
+    def ignore_aliases(self, _):
+        return True
+
+
+def _quality(latched: bool) -> dict:
+    return {
+        "history": "keep_last", "depth": 1 if latched else 10, "reliability": "reliable",
+        "durability": "transient_local" if latched else "volatile", "deadline": _INFINITE, "lifespan": _INFINITE,
+        "liveliness": "automatic", "liveliness_lease_duration": _INFINITE, "avoid_ros_namespace_conventions": False,
+    }
+
+
+class Recorder:
+    """A recording that is being written, as a context.  What is written is on disk a second later, even if we are killed.
+
+    Args: directory: made anew, with its parents.  Raises RecordingError where it exists or cannot be written.
+    """
+
+    def __init__(self, directory: str | os.PathLike):
+        self.directory = Path(directory)
+        self._name = f"{self.directory.resolve().name}_0.mcap"
+        self._channels: dict[str, dict] = {}
+        self._first, self._last = 2**63, 0
+        try:
+            self.directory.mkdir(parents=True)
+            self._file = open(self.directory / self._name, "wb")
+        except FileExistsError:
+            raise RecordingError(f"{self.directory} exists already and is never overwritten: choose another directory") from None
+        except OSError as error:
+            raise RecordingError(f"{self.directory} cannot be written ({error.strerror}): choose another directory") from None
+        self._writer = Writer(self._file, chunk_size=_CHUNK, compression=CompressionType.ZSTD)
+        self._writer.start(profile="ros2", library="evodevo")
+        self._kept = time.monotonic()
+
+    def __enter__(self) -> Recorder:
+        return self
+
+    def __exit__(self, *_) -> None:
+        self.close()
+
+    def write(self, topic: str, message, stamp: int, latched: bool = False) -> None:
+        """Append a message.
+
+        Args: topic: absolute, or below `/`; message: of any ROS type; stamp: ns; latched: whether late readers want it.
+        """
+        channel = self._channels.get(topic) or self._add_channel(topic, type(message), latched)
+        self._first, self._last = min(self._first, stamp), max(self._last, stamp)
+        channel["count"] += 1
+        with self._one_line_errors():
+            self._writer.add_message(channel["id"], stamp, serialize_message(message), stamp, channel["count"])
+            if time.monotonic() - self._kept > _KEEP_WITHIN:
+                self.flush()
+
+    def flush(self) -> None:
+        """Put what was written on disk."""
+        with self._one_line_errors():
+            self._writer.flush()
+            self._file.flush()
+        self._kept = time.monotonic()
+
+    def close(self) -> None:
+        """End the recording.  One in which nothing was written leaves no directory behind."""
+        if self._file.closed:
+            return
+        if not self._channels:
+            self._file.close()
+            if [path.name for path in self.directory.iterdir()] == [self._name]:
+                shutil.rmtree(self.directory, ignore_errors=True)
+            return
+        with self._one_line_errors():
+            try:
+                self._writer.finish()
+            finally:
+                self._file.close()
+            text = yaml.dump(self._metadata(), Dumper=_Plain, sort_keys=False)
+            (self.directory / "metadata.yaml").write_text(text, encoding="utf-8")
+
+    def _add_channel(self, topic, message_type, latched):
+        name, quality = type_name(message_type), [_quality(latched)]
+        schema = self._writer.register_schema(name, "ros2msg", definition(name).encode())
+        described = {"offered_qos_profiles": yaml.dump(quality, Dumper=_Plain, sort_keys=False), "topic_type_hash": type_hash(name)}
+        number = self._writer.register_channel("/" + topic.lstrip("/"), "cdr", schema, described)
+        self._channels[topic] = {"id": number, "type": name, "quality": quality, "hash": described["topic_type_hash"], "count": 0}
+        return self._channels[topic]
+
+    def _metadata(self) -> dict:
+        """The contents of metadata.yaml, version 9, as rosbag2 of Jazzy writes it."""
+        count = sum(channel["count"] for channel in self._channels.values())
+        span = {"starting_time": {"nanoseconds_since_epoch": self._first}, "duration": {"nanoseconds": self._last - self._first}}
+        topics = [
+            {
+                "topic_metadata": {
+                    "name": "/" + topic.lstrip("/"), "type": channel["type"], "serialization_format": "cdr",
+                    "offered_qos_profiles": channel["quality"], "type_description_hash": channel["hash"],
+                },
+                "message_count": channel["count"],
+            }
+            for topic, channel in self._channels.items()
+        ]
+        return {
+            "rosbag2_bagfile_information": {
+                "version": 9, "storage_identifier": "mcap", "duration": span["duration"], "starting_time": span["starting_time"],
+                "message_count": count, "topics_with_message_count": topics, "compression_format": "", "compression_mode": "",
+                "relative_file_paths": [self._name], "files": [{"path": self._name, **span, "message_count": count}],
+                "custom_data": None, "ros_distro": "jazzy",
+            }
+        }
+
+    def _one_line_errors(self):
+        return _OneLine(self.directory)
+
+
+class _OneLine:
+    """Turns an operating system's error into a RecordingError."""
+
+    def __init__(self, directory):
+        self._directory = directory
+
+    def __enter__(self):
+        pass
+
+    def __exit__(self, _, error, __):
+        if isinstance(error, OSError):
+            raise RecordingError(
+                f"{self._directory}: recording stopped ({error.strerror}): what came before is kept; make room and run again"
+            ) from None
