@@ -8,14 +8,15 @@ import time
 
 import pytest
 from evodevo_ga import Evolution, Settings
+from evodevo_ga.fleet import find_simulators
 from evodevo_ga.in_process import evaluate_all
 from evodevo_sim import Task, evaluate, load_genome
 from evodevo_sim.parameters import with_settings
 from evodevo_sim.recording import read_recording
+from lab import DEADLINE, Operator, simulators
 
 SMALL = ["--generations", "4", "--population", "14", "--cells", "8", "--seed", "3", "--set", "control_steps=80"]
 TASK = with_settings(Task(), {"development.max_cells": 8, "control_steps": 80})
-DEADLINE = 120.0
 
 
 def start(*arguments, out, **popen):
@@ -54,15 +55,10 @@ def test_a_run_through_nodes_is_the_run_in_process_bit_for_bit(tmp_path, in_proc
 
 
 def test_a_run_uses_the_simulators_on_the_graph_and_outlives_one(tmp_path, in_process):
-    nodes = [
-        subprocess.Popen(
-            [sys.executable, "-m", "evodevo_sim.nodes.simulator", "--ros-args", "-r", f"__ns:=/lab_{os.getpid()}_{i}"],
-            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-        )
-        for i in range(2)
-    ]
-    try:
-        wait_for_services(nodes)
+    namespaces = [f"/lab_{os.getpid()}_{i}" for i in range(2)]
+    with simulators(*namespaces) as nodes, Operator() as operator:
+        services = [f"{namespace}/evaluate" for namespace in namespaces]
+        operator.until(lambda: set(services) <= set(find_simulators(operator.node)))
         process = start(out=tmp_path / "run")
         first = process.stdout.readline()
         while "Compiling" in first:
@@ -73,26 +69,6 @@ def test_a_run_uses_the_simulators_on_the_graph_and_outlives_one(tmp_path, in_pr
         assert process.returncode == 0, stderr
         assert load_genome(tmp_path / "run/champion.yaml") == in_process[0].champion.genome
         assert nodes[1].poll() is None  # not ours, so not ended
-    finally:
-        for node in nodes:
-            node.kill()
-            node.wait()
-
-
-def wait_for_services(nodes):
-    import rclpy
-    from evodevo_ga.fleet import find_simulators
-
-    rclpy.init()
-    try:
-        node = rclpy.create_node("waits_for_simulators")
-        deadline = time.monotonic() + DEADLINE
-        while len([s for s in find_simulators(node) if f"lab_{os.getpid()}_" in s]) < len(nodes):
-            assert time.monotonic() < deadline and all(n.poll() is None for n in nodes)
-            rclpy.spin_once(node, timeout_sec=0.1)
-        node.destroy_node()
-    finally:
-        rclpy.try_shutdown()
 
 
 def own_simulators(pid):
@@ -137,13 +113,15 @@ def select_stderr(process):
         os.read(process.stderr.fileno(), 65536)
 
 
-def test_a_killed_run_leaves_no_simulators_and_a_recording_that_can_be_read(tmp_path):
+def test_a_killed_run_leaves_no_simulators_and_its_champion(tmp_path):
     process = start("--generations", "100000", "--simulators", "1", out=tmp_path / "run")
     deadline = time.monotonic() + DEADLINE
     while not (tmp_path / "run/champion.yaml").exists():
         assert time.monotonic() < deadline and process.poll() is None
         select_stderr(process)
-    assert own_simulators(process.pid)
+    [simulator] = own_simulators(process.pid)
+    with open(f"/proc/{simulator}/environ", "rb") as file:
+        assert b"ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST" in file.read().split(b"\0")
     process.kill()
     process.communicate()
     while own_simulators(process.pid):

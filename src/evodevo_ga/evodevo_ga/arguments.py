@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import argparse
 import dataclasses
 import os
 from datetime import datetime
 from pathlib import Path
 
 from evodevo_sim import ParameterError, Task
+from evodevo_sim.command_line import Parser
+from evodevo_sim.nodes.common import without_ros
 from evodevo_sim.parameters import TASKS, with_settings
 
 from .evolution import Settings
@@ -31,7 +32,6 @@ The run's directory holds a rosbag2 recording in MCAP and champion.yaml. See it 
 """
 
 
-
 @dataclasses.dataclass(frozen=True)
 class Options:
     task: Task
@@ -42,19 +42,9 @@ class Options:
     quiet: bool
 
 
-class _Parser(argparse.ArgumentParser):
-    def error(self, message):
-        self.exit(2, f"evolve: {message} (see --help)\n")
-
-
 def parse(arguments: list[str]) -> Options:
     """Options of a command line.  Leaves with exit code 2 and one line where something is wrong."""
-    parser = _Parser(
-        prog="evolve",
-        description="Evolve soft-bodied animats that grow from one cell and move without a central controller.",
-        epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    parser = Parser("evolve", "Evolve soft-bodied animats that grow from one cell and move without a central controller.", _EPILOG)
     parser.add_argument("--task", default=TASKS[0], metavar="NAME", help=f"what to evolve for: {', '.join(TASKS)} (default %(default)s)")
     parser.add_argument("--cells", default=32, type=int, metavar="N", help="most cells of a body (default %(default)s)")
     parser.add_argument("--seed", default=1, type=int, metavar="N", help="same seed, same champions, bit for bit (default %(default)s)")
@@ -68,7 +58,7 @@ def parse(arguments: list[str]) -> Options:
             help=f"{field.metadata['meaning']} (default %(default)s)",
         )
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="set a number of the model, e.g. material.stiffness=300")
-    given = parser.parse_args(arguments)
+    given = parser.parse_args(without_ros(parser, arguments))
     try:
         task = with_settings(Task(), {"name": given.task, "development.max_cells": given.cells, **_pairs(given.set)})
         settings = Settings(**{field.name: getattr(given, field.name) for field in dataclasses.fields(Settings)})

@@ -6,15 +6,26 @@ import os
 import signal
 import sys
 import time
-from pathlib import Path
 
+import numpy as np
+import rclpy
+from evodevo_msgs import msg
 from evodevo_sim import evaluate, perform, random_genome, save_genome
 from evodevo_sim._jit import is_compiled
+from evodevo_sim.nodes.common import stay_on_this_host
+from evodevo_sim.recording import Recorder, RecordingError, record_performance
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.signals import SignalHandlerOptions
+from tqdm import tqdm
 
 from .arguments import Options, cores, parse
 from .evolution import Evolution, Individual
+from .fleet import Fleet, FleetError, OwnSimulators, find_simulators
+from .messages import champion_message, evolution_message, statistics_message
 
-_DISCOVERY = 1.0  # s to look for simulators on the graph
+_DISCOVERY = 2.0  # s from the node's start in which simulators on the graph are found
+_MORE = 0.5  # s to wait for another one after each
+_START = 60.0  # s for a simulator to answer
 
 
 class _Stop:
@@ -36,21 +47,16 @@ class _Stop:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    options = parse(_without_ros(sys.argv[1:] if arguments is None else arguments))
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")  # no packet leaves the host unless the user says so
-
-    import rclpy
-    from evodevo_sim.recording import Recorder, RecordingError
-    from rclpy.signals import SignalHandlerOptions
-
-    from .fleet import FleetError
-
+    arguments = sys.argv[1:] if arguments is None else arguments
+    options = parse(arguments)
     stop = _Stop()
-    _compile(options)
-    rclpy.init(args=sys.argv if arguments is None else None, signal_handler_options=SignalHandlerOptions.NO)
+    stay_on_this_host()
     try:
         with Recorder(options.out) as recorder:
-            return _Run(options, recorder, stop).go()
+            rclpy.init(args=["evolve", *arguments], signal_handler_options=SignalHandlerOptions.NO)
+            run = _Run(options, recorder, stop)
+            _compile(options)
+            return run.go()
     except (RecordingError, FleetError) as error:
         print(f"evolve: {error}", file=sys.stderr)
         return 2
@@ -58,18 +64,10 @@ def main(arguments: list[str] | None = None) -> int:
         rclpy.try_shutdown()
 
 
-def _without_ros(arguments: list[str]) -> list[str]:
-    from rclpy.utilities import remove_ros_args
-
-    return remove_ros_args(["evolve", *arguments])[1:]
-
-
 def _compile(options: Options) -> None:
     """Compile every kernel of this task before simulators start, so that they only load them."""
-    import numpy as np
-
     if not is_compiled():
-        print("Compiling the simulation kernels, once: about half a minute.", flush=True)
+        print("Compiling the simulation kernels, once: about a minute.", flush=True)
     evaluate(random_genome(np.random.default_rng(0)), options.task)
 
 
@@ -77,12 +75,9 @@ class _Run:
     """One run: the node, its simulators and its recording, around an `Evolution`."""
 
     def __init__(self, options: Options, recorder, stop: _Stop):
-        import rclpy
-        from evodevo_msgs import msg
-        from rclpy.executors import SingleThreadedExecutor
-
         self.options, self.recorder, self.stop = options, recorder, stop
         self.node = rclpy.create_node("evolve")
+        self.began = time.monotonic()
         self.executor = SingleThreadedExecutor()
         self.executor.add_node(self.node)
         self.statistics = self.node.create_publisher(msg.GenerationStatistics, "evolution/statistics", 10)
@@ -90,41 +85,34 @@ class _Run:
         self.evolution = Evolution(options.settings, options.seed)
 
     def go(self) -> int:
-        from .fleet import Fleet, OwnSimulators
-
         services = [] if self.options.simulators else self._find()
         if services:
             print(f"Evolving on {len(services)} simulators of the graph: {', '.join(services)}")
-            fleet = Fleet(self.node, self.executor, services)
-            fleet.wait(10.0)
-            self._evolve(fleet)
+            self._evolve(Fleet(self.node, self.executor, services), _START)
         else:
             count = self.options.simulators or cores()
             with OwnSimulators(count, self.options.out / "simulators.log") as own:
                 print(f"Evolving on {count} simulators of our own; recording to {self.options.out}", flush=True)
-                fleet = Fleet(self.node, self.executor, own.services)
-                fleet.wait(60.0, own.alive)
-                self._evolve(fleet)
+                self._evolve(Fleet(self.node, self.executor, own.services), _START, own.alive)
         return self._finish()
 
     def _find(self) -> list[str]:
-        from .fleet import find_simulators
-
-        deadline = time.monotonic() + _DISCOVERY
-        while not (services := find_simulators(self.node)) and time.monotonic() < deadline:
+        """The simulators on the graph.  Discovery goes on in threads of its own since the node began, also while we compiled."""
+        found, until = [], self.began + _DISCOVERY
+        while time.monotonic() < until and not self.stop():
             self.executor.spin_once(timeout_sec=0.05)
-        return services
+            services = find_simulators(self.node)
+            if services != found:
+                found, until = services, time.monotonic() + _MORE
+        return found
 
-    def _evolve(self, fleet) -> None:
-        from tqdm import tqdm
-
-        from .messages import evolution_message
-
+    def _evolve(self, fleet: Fleet, seconds: float, alive=lambda: True) -> None:
         o = self.options
-        self.recorder.write("evolution/settings", evolution_message(o.settings, o.task, o.seed), time.time_ns())
+        self.recorder.write("evolution/settings", evolution_message(o.settings, o.task, o.seed), time.time_ns(), latched=True)
+        fleet.wait(seconds, alive, self.stop)
         bar = tqdm(total=o.settings.generations, unit="gen", disable=o.quiet, mininterval=0.1 if sys.stderr.isatty() else 5.0)
         with bar:
-            while not self.evolution.finished:
+            while not (self.evolution.finished or self.stop()):
                 began = time.monotonic()
                 asked = self.evolution.ask()
                 evaluations = fleet.evaluate(asked, o.task, o.seed, self.stop)
@@ -140,8 +128,6 @@ class _Run:
                 bar.update()
 
     def _record(self, generation, rate: float) -> None:
-        from .messages import champion_message, statistics_message
-
         now = time.time_ns()
         message = statistics_message(generation, rate, now * 1e-9)
         self.recorder.write("evolution/statistics", message, now)
@@ -153,8 +139,6 @@ class _Run:
             _save(self.options, generation.generation, self.evolution.champion)
 
     def _finish(self) -> int:
-        from evodevo_sim.recording import record_performance
-
         if not self.evolution.population:
             print(f"Stopped before the first generation: {self.options.out} holds the settings alone.")
             return 130
@@ -178,7 +162,7 @@ def _save(options: Options, generation: int, champion: Individual) -> None:
         "task": options.task.name, "cells": options.task.development.max_cells, "seed": options.seed, "generation": generation,
         "fitness": repr(e.fitness), "distance": repr(e.metrics.distance),
     }
-    save_genome(Path(options.out) / "champion.yaml", champion.genome, about)
+    save_genome(options.out / "champion.yaml", champion.genome, about)
 
 
 if __name__ == "__main__":

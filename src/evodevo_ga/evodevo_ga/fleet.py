@@ -51,16 +51,15 @@ class Fleet:
         self._executor = executor
         self._node = node
         self._servers = [node.create_client(Evaluate, name, callback_group=group) for name in services]
-        self._lost = []
 
     def __len__(self) -> int:
         return len(self._servers)
 
-    def wait(self, seconds: float, alive=lambda: True) -> None:
-        """Wait until every service answers.  Raises FleetError when one does not, or `alive()` says that it cannot."""
+    def wait(self, seconds: float, alive=lambda: True, stop=lambda: False) -> None:
+        """Wait until every service answers, or `stop()`.  Raises FleetError when one does not, or `alive()` says that it cannot."""
         deadline = time.monotonic() + seconds
         for server in self._servers:
-            while not server.wait_for_service(timeout_sec=0.2):
+            while not (stop() or server.wait_for_service(timeout_sec=0.05)):
                 if time.monotonic() > deadline or not alive():
                     raise FleetError(f"simulator {server.srv_name} does not answer: run `ros2 run evodevo_sim simulator` to see why")
 

@@ -130,6 +130,11 @@ def _score(result, task: Task) -> Evaluation:
     return Evaluation(fitness, status, "", metrics)
 
 
+def invalid(cause: str) -> Evaluation:
+    """The evaluation of what is no genome at all."""
+    return Evaluation(_FAILURE[Status.INVALID_GENOME][0], Status.INVALID_GENOME, cause, Metrics())
+
+
 def perform(genome: Genome, task: Task = Task(), seed: int = 0) -> Performance:
     """Evaluate a genome with everything kept, to record, draw or analyse."""
     arguments = _arguments(genome, task)

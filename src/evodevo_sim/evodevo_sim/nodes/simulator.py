@@ -1,0 +1,172 @@
+"""`ros2 run evodevo_sim simulator`: evaluates batches of genomes, and runs one animat live as a hardware driver would."""
+
+from __future__ import annotations
+
+import math
+import sys
+
+import numpy as np
+from evodevo_msgs.msg import Body, CellStates
+from evodevo_msgs.srv import Evaluate, Load
+from geometry_msgs.msg import PoseStamped
+from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
+from std_srvs.srv import SetBool, Trigger
+
+from .._jit import is_compiled
+from ..command_line import Parser
+from ..evaluation import Evaluation, evaluate, invalid
+from ..genome import GenomeError, random_genome
+from ..live import Animat, NotViable, Stage
+from ..messages import (
+    body_message, cell_states_message, evaluation_message, genome_from_message, task_from_message,
+)
+from ..parameters import ParameterError
+from .common import run
+
+LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
+_WARN_EVERY = 1.0  # s between warnings of one kind
+
+
+class Simulator(Node):
+    """The node.  Services are answered one after the other; the live animat goes on meanwhile in a thread of its own.
+
+    Args: stop: an Event; set, a batch ends early.
+    """
+
+    def __init__(self, stop):
+        super().__init__("simulator")
+        self._stop = stop
+        self._frame = self.declare_parameter("frame_id", "world", _fixed("frame of positions and targets")).value
+        self._most = self.declare_parameter("max_batch", 1000, _fixed("genomes in one request, at the most", 1, 10_000)).value
+        every = self.declare_parameter("publish_every", 1, _fixed("control steps between cell states", 1, 100_000)).value
+        if not is_compiled():
+            self.get_logger().info("compiling the simulation kernels, once: about a minute")
+        evaluate(random_genome(np.random.default_rng(0)))  # loads the kernels: the first request does not wait
+
+        self._body = self.create_publisher(Body, "body", LATCHED)
+        self._states = self.create_publisher(CellStates, "cell_states", qos_profile_sensor_data)
+        self._shown = None
+        self._stage = Stage(self._show, self._report, every)
+        self.create_subscription(PoseStamped, "target_pose", self._aim, NEWEST)
+        self.create_service(Evaluate, "evaluate", self._evaluate)
+        self.create_service(Load, "load", self._load)
+        self.create_service(SetBool, "pause", self._pause)
+        self.create_service(Trigger, "reset", self._reset)
+        self.get_logger().info("ready")
+
+    def close(self):
+        self._stage.close()
+        self.destroy_node()
+
+    # --- evaluation ------------------------------------------------------------------------------------------------------
+
+    def _evaluate(self, request, response):
+        if not 0 < len(request.genomes) <= self._most:
+            response.error = f"{len(request.genomes)} genomes in a request: give 1 to {self._most}"
+            return response
+        try:
+            task = task_from_message(request.task)
+        except ParameterError as error:
+            response.error = str(error)
+            return response
+        for message in request.genomes:
+            if self._stop.is_set():
+                response.evaluations, response.error = [], "the simulator is ending: ask another one"
+                return response
+            response.evaluations.append(evaluation_message(_evaluate_one(message, task, request.seed)))
+        return response
+
+    # --- the live animat -------------------------------------------------------------------------------------------------
+
+    def _load(self, request, response):
+        try:
+            animat = Animat(genome_from_message(request.genome), task_from_message(request.task), request.seed)
+            self._stage.load(animat, request.real_time_factor)
+        except (GenomeError, ParameterError, NotViable) as error:
+            response.message = str(error)
+            return response
+        response.success, response.message = True, f"an animat of {len(animat.position)} cells lives"
+        return response
+
+    def _pause(self, request, response):
+        response.success = self._stage.pause(request.data)
+        response.message = ("paused" if request.data else "goes on") if response.success else _NOBODY
+        return response
+
+    def _reset(self, _, response):
+        response.success = self._stage.reset()
+        response.message = "back to birth" if response.success else _NOBODY
+        return response
+
+    def _aim(self, message):
+        point = message.pose.position
+        if message.header.frame_id != self._frame:
+            self._warn(f"target in frame {message.header.frame_id!r} ignored: give it in {self._frame!r}")
+        elif not (math.isfinite(point.x) and math.isfinite(point.y)):
+            self._warn(f"target at ({point.x}, {point.y}) ignored: give finite metres")
+        else:
+            self._stage.aim((point.x, point.y))
+
+    def _warn(self, text):
+        self.get_logger().warning(text, throttle_duration_sec=_WARN_EVERY)
+
+    def _show(self, animat):
+        """In the stage's thread: publish what somebody listens to."""
+        if animat is not self._shown:
+            self._shown = animat
+            self._body.publish(body_message(animat.body, self._frame, animat.time))
+        if self._states.get_subscription_count():
+            self._states.publish(
+                cell_states_message(animat.position, animat.velocity, animat.activation, animat.steps, animat.time, self._frame)
+            )
+
+    def _report(self, cause):
+        self.get_logger().error(f"the live animat ended: {cause}: load another one")
+
+
+_NOBODY = "no animat lives: load one first"
+
+
+def _evaluate_one(message, task, seed) -> Evaluation:
+    try:
+        return evaluate(genome_from_message(message), task, seed)
+    except GenomeError as error:
+        return invalid(str(error))
+
+
+def _fixed(meaning: str, low: int | None = None, high: int | None = None) -> ParameterDescriptor:
+    """The descriptor of a parameter that is set at the start only."""
+    limits = [] if low is None else [IntegerRange(from_value=low, to_value=high, step=1)]
+    return ParameterDescriptor(description=meaning, read_only=True, integer_range=limits)
+
+
+_EPILOG = """\
+in a namespace of its own, so that several can stand side by side:
+  ros2 run evodevo_sim simulator --ros-args -r __ns:=/sim_0
+
+names in the namespace:
+  services  evaluate  evodevo_msgs/srv/Evaluate   a batch of genomes for a task and a seed
+            load      evodevo_msgs/srv/Load       grow a genome and let it live at a real-time factor
+            pause     std_srvs/srv/SetBool        hold the animat, or let it go on
+            reset     std_srvs/srv/Trigger        back to birth
+  topics    body, cell_states                     of the live animat; body is latched
+            target_pose (subscribed)              geometry_msgs/PoseStamped
+
+parameters, e.g. -p publish_every:=4
+  frame_id       world   frame of positions and targets
+  max_batch      1000    genomes in one request, at the most
+  publish_every  1       control steps between cell states
+
+Nothing leaves this host unless ROS_AUTOMATIC_DISCOVERY_RANGE says so.
+"""
+
+
+def main(arguments: list[str] | None = None) -> int:
+    return run(Simulator, Parser("simulator", "Simulate animats: batches for evolution, and one live.", _EPILOG), arguments)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

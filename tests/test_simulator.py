@@ -1,0 +1,213 @@
+"""The simulator node over real DDS: the library's bits, a live animat, and a node that outlives any request."""
+
+import os
+import signal
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from evodevo_msgs.msg import Body, CellStates, Genome
+from evodevo_msgs.srv import Evaluate, Load
+from evodevo_sim import Status, Task, evaluate, perform, random_genome
+from evodevo_sim.messages import evaluation_from_message, genome_message, task_message
+from evodevo_sim.nodes.common import stay_on_this_host
+from evodevo_sim.nodes.simulator import LATCHED
+from evodevo_sim.parameters import with_settings
+from genomes import dividing, first_viable, hand_made
+from geometry_msgs.msg import PoseStamped
+from lab import DEADLINE, Operator, simulators
+from rclpy.qos import qos_profile_sensor_data
+from std_srvs.srv import SetBool, Trigger
+
+NAMESPACE = f"/test_{os.getpid()}"
+TASK = with_settings(Task(), {"development.max_cells": 8, "control_steps": 40})
+
+
+@pytest.fixture(scope="module")
+def lab():
+    with simulators(NAMESPACE) as [process], Operator() as operator:
+        operator.process = process
+        yield operator
+        assert process.poll() is None  # it outlived every request of this file
+
+
+def ask(lab, genomes, task=TASK, seed=1):
+    return lab.call(Evaluate, f"{NAMESPACE}/evaluate", task=task_message(task), seed=seed, genomes=genomes)
+
+
+def load(lab, genome, task=TASK, factor=0.0):
+    request = dict(task=task_message(task), seed=1, genome=genome_message(genome), real_time_factor=factor)
+    return lab.call(Load, f"{NAMESPACE}/load", **request)
+
+
+def test_a_batch_gives_the_librarys_bits_in_order(lab):
+    genomes = [random_genome(np.random.default_rng(i)) for i in range(12)] + first_viable(2)
+    response = ask(lab, [genome_message(genome) for genome in genomes])
+    assert response.error == ""
+    assert [evaluation_from_message(e) for e in response.evaluations] == [evaluate(genome, TASK, 1) for genome in genomes]
+
+
+def changed(task_part, **values):
+    message = task_message(TASK)
+    target = getattr(message, task_part) if task_part else message
+    for name, value in values.items():
+        setattr(target, name, value)
+    return message
+
+
+@pytest.mark.parametrize(
+    "task, says",
+    [
+        (changed("", name="fly"), "task 'fly' is unknown: choose one of swim"),
+        (changed("", control_step=float("nan")), "task.control_step is nan"),
+        (changed("", control_steps=0), "task.control_steps is 0"),
+        (changed("", windows=7), "task.windows is 7"),
+        (changed("material", stiffness=-1.0), "material.stiffness is -1.0"),
+        (changed("scene", drag_normal=float("inf")), "scene.drag_normal is inf"),
+        (changed("development", variant="C"), "development.variant is 'C'"),
+    ],
+)
+def test_a_task_that_cannot_work_is_named(lab, task, says):
+    response = lab.call(Evaluate, f"{NAMESPACE}/evaluate", task=task, seed=1, genomes=[genome_message(hand_made())])
+    assert says in response.error and "\n" not in response.error and not response.evaluations
+
+
+@pytest.mark.parametrize("count", [0, 100_000])
+def test_a_batch_of_an_impossible_size_is_refused(lab, count):
+    response = ask(lab, [Genome()] * count)
+    assert response.error == f"{count} genomes in a request: give 1 to 1000" and not response.evaluations
+
+
+def test_a_malformed_genome_fails_alone(lab):
+    good, nan, cut = (genome_message(dividing()) for _ in range(3))
+    nan.x[3] = float("nan")
+    cut.kind = cut.kind[:5]
+    response = ask(lab, [nan, good, cut, Genome()])
+    assert [e.status for e in response.evaluations] == [Status.INVALID_GENOME, Status.OK, Status.INVALID_GENOME, Status.INVALID_GENOME] or (
+        response.evaluations[1].status == Status.RESTING
+    )
+    assert "element 3: point is not finite" in response.evaluations[0].cause
+    assert "equal numbers" in response.evaluations[2].cause
+    assert all(e.fitness < -1 for e in response.evaluations if e.status == Status.INVALID_GENOME)
+
+
+def test_a_live_animat_is_the_performance_step_by_step(lab):
+    genome = first_viable(1)[0]
+    task = with_settings(TASK, {"control_steps": 400})
+    performance = perform(genome, task, 1)
+    states = lab.listen(CellStates, f"{NAMESPACE}/cell_states", qos_profile_sensor_data)
+    lab.until(lambda: lab.node.count_publishers(f"{NAMESPACE}/cell_states"))
+    assert load(lab, genome, task, factor=1.0).success
+    lab.until(lambda: len(states) > 60)
+    lab.call(SetBool, f"{NAMESPACE}/pause", data=True)
+    for message in states:
+        k = message.step
+        assert message.header.frame_id == "world"
+        assert message.header.stamp.sec + message.header.stamp.nanosec * 1e-9 == pytest.approx(k / 60, abs=1e-8)
+        assert np.array_equal(np.column_stack((message.position_x, message.position_y)), performance.position[k])
+        assert np.array_equal(np.column_stack((message.velocity_x, message.velocity_y)), performance.velocity[k])
+        if k:
+            assert np.array_equal(message.activation, performance.activation[k])
+    assert [m.step for m in states] == sorted({m.step for m in states})
+
+
+def test_the_body_is_latched_for_who_comes_late(lab):
+    genome = first_viable(1)[0]
+    assert load(lab, genome, factor=0.01).success
+    bodies = lab.listen(Body, f"{NAMESPACE}/body", LATCHED)
+    lab.until(lambda: bodies)
+    body = perform(genome, TASK, 1).body
+    assert bodies[-1].cells == len(body.position) and np.array_equal(bodies[-1].rest_length, body.rest_length)
+    assert len(bodies[-1].chamber_area) == len(body.triangle_area) + len(body.polygon_area)
+    assert bodies[-1].chamber_start[-1] == len(bodies[-1].chamber_cell)
+
+
+def test_pause_holds_and_reset_goes_back_to_birth(lab):
+    states = lab.listen(CellStates, f"{NAMESPACE}/cell_states", qos_profile_sensor_data)
+    assert load(lab, first_viable(1)[0], factor=2.0).success
+    lab.call(SetBool, f"{NAMESPACE}/pause", data=False)
+    lab.until(lambda: states and states[-1].step > 5)
+    assert lab.call(SetBool, f"{NAMESPACE}/pause", data=True).success
+    last = states[-1].step
+    assert lab.call(Trigger, f"{NAMESPACE}/reset").success
+    lab.until(lambda: states[-1].step == 0)
+    assert max(message.step for message in states) - last < 30  # only what was under way
+    assert lab.call(SetBool, f"{NAMESPACE}/pause", data=False).success
+    lab.until(lambda: states[-1].step > 5)
+
+
+@pytest.mark.parametrize(
+    "genome, factor, says",
+    [
+        (hand_made(), 1.0, "the egg never divided"),
+        (dividing(), -1.0, "real_time_factor is -1.0"),
+        (dividing(), float("nan"), "real_time_factor is nan"),
+    ],
+)
+def test_what_cannot_live_is_refused_and_the_live_one_goes_on(lab, genome, factor, says):
+    states = lab.listen(CellStates, f"{NAMESPACE}/cell_states", qos_profile_sensor_data)
+    assert load(lab, first_viable(1)[0], factor=1.0).success
+    response = load(lab, genome, factor=factor)
+    assert not response.success and says in response.message
+    lab.call(SetBool, f"{NAMESPACE}/pause", data=False)
+    count = len(states)
+    lab.until(lambda: len(states) > count + 5)
+
+
+def test_bad_targets_leave_the_node_standing(lab):
+    publisher = lab.node.create_publisher(PoseStamped, f"{NAMESPACE}/target_pose", 1)
+    lab.until(publisher.get_subscription_count)
+    for frame, x in (("world", float("nan")), ("moon", 1.0), ("", 1.0), ("world", 3.0)):
+        message = PoseStamped()
+        message.header.frame_id, message.pose.position.x = frame, x
+        publisher.publish(message)
+    assert ask(lab, [genome_message(hand_made())]).evaluations
+
+
+def test_nobody_to_pause_is_said():
+    with simulators(f"{NAMESPACE}_empty"), Operator() as operator:
+        for service, name in ((SetBool, "pause"), (Trigger, "reset")):
+            response = operator.call(service, f"{NAMESPACE}_empty/{name}")
+            assert not response.success and "load one first" in response.message
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_it_in_good_order_even_in_a_long_batch(number):
+    namespace = f"{NAMESPACE}_{int(number)}"
+    with simulators(namespace) as [process], Operator() as operator:
+        client = operator.node.create_client(Evaluate, f"{namespace}/evaluate")
+        operator.until(client.service_is_ready)
+        long = task_message(with_settings(TASK, {"control_steps": 1_000_000}))
+        future = client.call_async(Evaluate.Request(task=long, genomes=[genome_message(g) for g in first_viable(4)]))
+        for _ in range(5):
+            operator.executor.spin_once(timeout_sec=0.05)
+        assert not future.done()
+        process.send_signal(number)
+        _, stderr = process.communicate(timeout=20)
+        assert process.returncode == 0 and "Traceback" not in stderr
+
+
+def test_nodes_stay_on_this_host_unless_told_otherwise(monkeypatch):
+    monkeypatch.delenv("ROS_AUTOMATIC_DISCOVERY_RANGE")
+    stay_on_this_host()
+    assert os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET")
+    stay_on_this_host()
+    assert os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "SUBNET"
+
+
+@pytest.mark.parametrize(
+    "arguments, says",
+    [
+        (["--speed"], "--speed"),
+        (["--ros-args", "-p", "max_batch:=0"], "max_batch"),
+        (["--ros-args", "-p", "publish_every:=often"], "publish_every"),
+        (["--ros-args", "-r", "__ns:=no good"], "no good"),
+    ],
+)
+def test_bad_arguments_get_one_line_and_exit_code_2(arguments, says):
+    command = [sys.executable, "-m", "evodevo_sim.nodes.simulator", *arguments]
+    result = subprocess.run(command, capture_output=True, text=True, timeout=DEADLINE)
+    assert result.returncode == 2 and says in result.stderr, result.stderr
+    assert [line.partition(":")[0] for line in result.stderr.splitlines() if not line.startswith("[WARN]")] == ["simulator"]
