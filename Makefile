@@ -19,6 +19,7 @@ setup build:
 
 evolve: setup
 	@$(in_environment) ros2 run evodevo_ga evolve $(ARGS)
+	@echo "(in this directory: make replay, or source scripts/env.sh first to have ros2 in your shell)"
 
 replay: setup
 	@$(in_environment) ros2 run evodevo_sim replay $(ARGS)

@@ -1,0 +1,85 @@
+"""What ROS costs: a generation through simulator nodes against the same evaluations in this process, in turns in one run.
+
+    python benchmarks/services.py [--rounds N] [--population N] [--cells N] [--workers N]
+
+Prints seconds for a generation, the service's overhead as the median of the rounds' ratios, whether both gave the same bits, and
+the memory of a simulator node.
+"""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+import time
+
+import psutil
+import rclpy
+from evodevo_ga import Evolution, Settings
+from evodevo_ga.fleet import Fleet, OwnSimulators
+from evodevo_ga.in_process import evaluate_all
+from evodevo_sim import Task
+from evodevo_sim.nodes.common import stay_on_this_host
+from evodevo_sim.parameters import with_settings
+from rclpy.executors import SingleThreadedExecutor
+from tqdm import tqdm
+
+SEED = 1
+
+
+def evolved(task, population, generations, workers):
+    """Genomes of a population that has evolved for a while: most of them grow, some rest."""
+    evolution = Evolution(Settings(population=population, generations=generations), SEED)
+    for _ in tqdm(range(generations), desc="evolving the genomes", unit="gen", leave=False):
+        evolution.tell(evaluate_all(evolution.ask(), task, SEED, workers))
+    return [one.genome for one in evolution.population]
+
+
+def timed(evaluate):
+    began = time.perf_counter()
+    result = evaluate()
+    return time.perf_counter() - began, result
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--rounds", type=int, default=9)
+    parser.add_argument("--population", type=int, default=100)
+    parser.add_argument("--cells", type=int, default=32)
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--generations", type=int, default=12, help="evolved before measuring")
+    given = parser.parse_args()
+    task = with_settings(Task(), {"development.max_cells": given.cells})
+    genomes = evolved(task, given.population, given.generations, given.workers)
+
+    stay_on_this_host()
+    rclpy.init()
+    node, executor = rclpy.create_node("benchmark"), SingleThreadedExecutor()
+    executor.add_node(node)
+    with OwnSimulators(given.workers) as own:
+        fleet = Fleet(node, executor, own.services)
+        fleet.wait(60.0, own.alive)
+        ways = {
+            "in this process": lambda: evaluate_all(genomes, task, SEED, given.workers),
+            "through simulators": lambda: fleet.evaluate(genomes, task, SEED),
+        }
+        seconds = {name: [] for name in ways}
+        results = {name: evaluate() for name, evaluate in ways.items()}  # warm
+        for k in tqdm(range(given.rounds), desc="rounds", leave=False):
+            for name in list(ways)[:: 1 if k % 2 else -1]:
+                took, results[name] = timed(ways[name])
+                seconds[name].append(took)
+        memory = [process.memory_info().rss / 2**20 for process in psutil.Process().children()]
+    rclpy.try_shutdown()
+
+    here, there = seconds.values()
+    print(f"{given.population} genomes of generation {given.generations}, {given.cells} cells, {given.workers} workers, {given.rounds} rounds")
+    for name, values in seconds.items():
+        print(f"  {name:20s} {min(values):.3f} s at the least, {statistics.median(values):.3f} s in the median")
+    ratio = statistics.median(b / a for a, b in zip(here, there))
+    print(f"  overhead of the services: {100 * (ratio - 1):+.1f} % (median of the rounds' ratios), {100 * (min(there) / min(here) - 1):+.1f} % (of the least)")
+    print(f"  equal bits: {results['in this process'] == results['through simulators']}")
+    print(f"  memory of a simulator: {max(memory):.0f} MB")
+
+
+if __name__ == "__main__":
+    main()
