@@ -71,6 +71,27 @@ def test_a_run_uses_the_simulators_on_the_graph_and_outlives_one(tmp_path, in_pr
         assert nodes[1].poll() is None  # not ours, so not ended
 
 
+def test_a_run_that_loses_its_last_simulator_keeps_what_was_done(tmp_path):
+    with simulators(f"/lone_{os.getpid()}") as [node], Operator() as operator:
+        operator.until(lambda: f"/lone_{os.getpid()}/evaluate" in find_simulators(operator.node))
+        process = start("--generations", "100000", out=tmp_path / "run")
+        wait_for(tmp_path / "run/champion.yaml", process)
+        node.terminate()
+        stdout, stderr = process.communicate(timeout=DEADLINE)
+    assert process.returncode == 2 and "evolve: no simulator is left" in stderr and "Traceback" not in stderr
+    recording = read_recording(tmp_path / "run")
+    assert recording.statistics and recording.champions and recording.body.cells and not recording.truncated
+    assert "Champion: fitness" in stdout
+
+
+def wait_for(path, process):
+    """Until a file is there, while the process lives."""
+    deadline = time.monotonic() + DEADLINE
+    while not path.exists():
+        assert time.monotonic() < deadline and process.poll() is None
+        select_stderr(process)
+
+
 def own_simulators(pid):
     """Process ids of simulators in the namespace of the evolve process `pid`."""
     found = []
@@ -89,10 +110,7 @@ def own_simulators(pid):
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_run_keeps_what_was_done_and_ends_its_simulators(tmp_path, number):
     process = start("--generations", "100000", "--simulators", "1", out=tmp_path / "run")
-    deadline = time.monotonic() + DEADLINE
-    while not (tmp_path / "run/champion.yaml").exists():
-        assert time.monotonic() < deadline and process.poll() is None
-        select_stderr(process)
+    wait_for(tmp_path / "run/champion.yaml", process)
     process.send_signal(number)
     stdout, stderr = process.communicate(timeout=DEADLINE)
     assert process.returncode == 130, stderr
@@ -115,15 +133,13 @@ def select_stderr(process):
 
 def test_a_killed_run_leaves_no_simulators_and_its_champion(tmp_path):
     process = start("--generations", "100000", "--simulators", "1", out=tmp_path / "run")
-    deadline = time.monotonic() + DEADLINE
-    while not (tmp_path / "run/champion.yaml").exists():
-        assert time.monotonic() < deadline and process.poll() is None
-        select_stderr(process)
+    wait_for(tmp_path / "run/champion.yaml", process)
     [simulator] = own_simulators(process.pid)
     with open(f"/proc/{simulator}/environ", "rb") as file:
         assert b"ROS_AUTOMATIC_DISCOVERY_RANGE=LOCALHOST" in file.read().split(b"\0")
     process.kill()
     process.communicate()
+    deadline = time.monotonic() + DEADLINE
     while own_simulators(process.pid):
         assert time.monotonic() < deadline
     load_genome(tmp_path / "run/champion.yaml")

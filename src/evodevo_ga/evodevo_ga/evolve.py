@@ -85,16 +85,24 @@ class _Run:
         self.evolution = Evolution(options.settings, options.seed)
 
     def go(self) -> int:
+        try:
+            self._find_simulators_and_evolve()
+        except FleetError:
+            if self.evolution.population:
+                self._finish()
+            raise
+        return self._finish()
+
+    def _find_simulators_and_evolve(self) -> None:
         services = [] if self.options.simulators else self._find()
         if services:
-            print(f"Evolving on {len(services)} simulators of the graph: {', '.join(services)}")
-            self._evolve(Fleet(self.node, self.executor, services), _START)
+            print(f"Evolving on {len(services)} simulators of the graph: {', '.join(services)}; recording to {self.options.out}", flush=True)
+            self._evolve(Fleet(self.node, self.executor, services))
         else:
             count = self.options.simulators or cores()
             with OwnSimulators(count, self.options.out / "simulators.log") as own:
                 print(f"Evolving on {count} simulators of our own; recording to {self.options.out}", flush=True)
-                self._evolve(Fleet(self.node, self.executor, own.services), _START, own.alive)
-        return self._finish()
+                self._evolve(Fleet(self.node, self.executor, own.services), own.alive)
 
     def _find(self) -> list[str]:
         """The simulators on the graph.  Discovery goes on in threads of its own since the node began, also while we compiled."""
@@ -106,10 +114,10 @@ class _Run:
                 found, until = services, time.monotonic() + _MORE
         return found
 
-    def _evolve(self, fleet: Fleet, seconds: float, alive=lambda: True) -> None:
+    def _evolve(self, fleet: Fleet, alive=lambda: True) -> None:
         o = self.options
         self.recorder.write("evolution/settings", evolution_message(o.settings, o.task, o.seed), time.time_ns(), latched=True)
-        fleet.wait(seconds, alive, self.stop)
+        fleet.wait(_START, alive, self.stop)
         bar = tqdm(total=o.settings.generations, unit="gen", disable=o.quiet, mininterval=0.1 if sys.stderr.isatty() else 5.0)
         with bar:
             while not (self.evolution.finished or self.stop()):

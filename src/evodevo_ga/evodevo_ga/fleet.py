@@ -19,11 +19,12 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 SERVICE_TYPE = "evodevo_msgs/srv/Evaluate"
 BATCH = 4  # genomes in a request: small, so that the last one to finish keeps nobody waiting
 IN_FLIGHT = 2  # requests queued at a node, so that it never waits for us
-ANSWER_WITHIN = 120.0  # s for one request; a node that takes longer counts as lost
+ANSWER_WITHIN = 120.0  # s for one request, and a hundred times what its steps take; a node that takes longer counts as lost
+_SLOW_STEP = 1e-3  # s
 
 
 class FleetError(RuntimeError):
-    """No simulator can go on, or one refused the request; the message says why and what to do."""
+    """No simulator can go on; the message says why and what to do."""
 
 
 def find_simulators(node) -> list[str]:
@@ -66,13 +67,13 @@ class Fleet:
     def evaluate(self, genomes: list[Genome], task: Task, seed: int, stop=lambda: False) -> list[Evaluation] | None:
         """Evaluate genomes in order; None when `stop()` said to stop.
 
-        A node that dies or hangs is dropped and its genomes go to the others.  Raises FleetError when none is left, or one
-        refuses a request.
+        A node that dies, hangs or refuses is dropped and its genomes go to the others.  Raises FleetError when none is left.
         """
         waiting = deque(list(range(i, min(i + BATCH, len(genomes)))) for i in range(0, len(genomes), BATCH))
         results: list[Evaluation | None] = [None] * len(genomes)
         message, messages = task_message(task), [genome_message(genome) for genome in genomes]
         under_way: list[_Request] = []
+        patience = ANSWER_WITHIN + _SLOW_STEP * BATCH * IN_FLIGHT * (task.development.steps + task.control_steps)
         while waiting or under_way:
             if stop():
                 return None
@@ -80,7 +81,7 @@ class Fleet:
                 while waiting and sum(request.server is server for request in under_way) < IN_FLIGHT:
                     places = waiting.popleft()
                     request = Evaluate.Request(task=message, seed=seed, genomes=[messages[i] for i in places])
-                    under_way.append(_Request(places, server, server.call_async(request), time.monotonic() + ANSWER_WITHIN))
+                    under_way.append(_Request(places, server, server.call_async(request), time.monotonic() + patience))
             self._executor.spin_once(timeout_sec=0.1)
             under_way = [request for request in under_way if not self._take(request, results, waiting)]
         return results
@@ -89,21 +90,29 @@ class Fleet:
         """Whether a request is over, its results taken or its genomes back in the queue."""
         if request.future.done():
             response = request.future.result()
-            if response.error:
-                raise FleetError(f"simulator {request.server.srv_name}: {response.error}")
-            for i, evaluation in zip(request.genomes, response.evaluations, strict=True):
-                results[i] = evaluation_from_message(evaluation)
-            return True
-        if request.server in self._servers and (time.monotonic() > request.deadline or not request.server.service_is_ready()):
-            self._servers.remove(request.server)
-            self._node.get_logger().warning(f"simulator {request.server.srv_name} is lost: going on with {len(self._servers)} others")
-        if request.server not in self._servers:
-            if not self._servers:
-                raise FleetError("no simulator is left: start one with `ros2 run evodevo_sim simulator`, or run again without any")
-            request.future.cancel()
-            waiting.appendleft(request.genomes)
-            return True
-        return False
+            if not response.error:
+                for i, evaluation in zip(request.genomes, response.evaluations, strict=True):
+                    results[i] = evaluation_from_message(evaluation)
+                return True
+            self._drop(request.server, response.error)
+        elif not request.server.service_is_ready():
+            self._drop(request.server, "it is gone")
+        elif time.monotonic() > request.deadline:
+            self._drop(request.server, "it does not answer")
+        elif request.server in self._servers:
+            return False
+        request.future.cancel()
+        waiting.appendleft(request.genomes)
+        return True
+
+    def _drop(self, server, reason: str) -> None:
+        """Go on without a node, if it is not dropped already."""
+        if server not in self._servers:
+            return
+        self._servers.remove(server)
+        if not self._servers:
+            raise FleetError(f"no simulator is left, the last one was {server.srv_name}: {reason}: run again with --simulators 2 to start two")
+        self._node.get_logger().warning(f"going on without simulator {server.srv_name}: {reason}")
 
 
 class OwnSimulators:
