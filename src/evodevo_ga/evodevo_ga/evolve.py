@@ -106,12 +106,12 @@ class _Run:
 
     def _find(self) -> list[str]:
         """The simulators on the graph.  Discovery goes on in threads of its own since the node began, also while we compiled."""
-        found, until = [], self.began + _DISCOVERY
+        found, until = [], max(self.began + _DISCOVERY, time.monotonic() + _MORE)
         while time.monotonic() < until and not self.stop():
-            self.executor.spin_once(timeout_sec=0.05)
             services = find_simulators(self.node)
             if services != found:
                 found, until = services, time.monotonic() + _MORE
+            self.executor.spin_once(timeout_sec=0.05)
         return found
 
     def _evolve(self, fleet: Fleet, alive=lambda: True) -> None:
