@@ -7,11 +7,10 @@ import signal
 import sys
 import time
 
-import numpy as np
 import rclpy
 from evodevo_msgs import msg
-from evodevo_sim import evaluate, perform, random_genome, save_genome
-from evodevo_sim._jit import is_compiled
+from evodevo_sim import perform, save_genome
+from evodevo_sim.evaluation import prepare
 from evodevo_sim.nodes.common import stay_on_this_host
 from evodevo_sim.recording import Recorder, RecordingError, record_performance
 from rclpy.executors import SingleThreadedExecutor
@@ -55,20 +54,13 @@ def main(arguments: list[str] | None = None) -> int:
         with Recorder(options.out) as recorder:
             rclpy.init(args=["evolve", *arguments], signal_handler_options=SignalHandlerOptions.NO)
             run = _Run(options, recorder, stop)
-            _compile(options)
+            prepare(options.task)  # before simulators start, so that they only load the kernels
             return run.go()
     except (RecordingError, FleetError) as error:
         print(f"evolve: {error}", file=sys.stderr)
         return 2
     finally:
         rclpy.try_shutdown()
-
-
-def _compile(options: Options) -> None:
-    """Compile every kernel of this task before simulators start, so that they only load them."""
-    if not is_compiled():
-        print("Compiling the simulation kernels, once: about a minute.", flush=True)
-    evaluate(random_genome(np.random.default_rng(0)), options.task)
 
 
 class _Run:

@@ -63,7 +63,7 @@ def is_compiled() -> bool:
 
 
 def remove_old_caches() -> None:
-    """Delete the kernels of other versions of the sources that nobody has used for a week."""
+    """Delete the kernels of other versions of the sources that are more than a week old."""
     if not _caches().is_dir():
         return
     for directory in _caches().iterdir():

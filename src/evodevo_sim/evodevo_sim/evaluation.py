@@ -7,8 +7,9 @@ from enum import IntEnum
 
 import numpy as np
 
+from ._jit import is_compiled, remove_old_caches
 from .body import build_body
-from .genome import INPUT_NAMES, Genome
+from .genome import INPUT_NAMES, Genome, random_genome
 from .parameters import Task
 from .swim import develop, swim
 
@@ -128,6 +129,14 @@ def _score(result, task: Task) -> Evaluation:
     active = min(1.0, metrics.activation_amplitude / task.full_activity)
     fitness = active * (task.windows * metrics.slowest_window + task.activity_bonus)
     return Evaluation(fitness, status, "", metrics)
+
+
+def prepare(task: Task = Task(), say=print) -> None:
+    """Load the kernels that evaluations of a task need, compiled by the first process that asks; `say` is told if that is us."""
+    if not is_compiled():
+        say("Compiling the simulation kernels, once: about a minute.")
+        remove_old_caches()
+    evaluate(random_genome(np.random.default_rng(0)), task)
 
 
 def invalid(cause: str) -> Evaluation:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import sys
 
-import numpy as np
 from evodevo_msgs.msg import Body, CellStates
 from evodevo_msgs.srv import Evaluate, Load
 from geometry_msgs.msg import PoseStamped
@@ -14,10 +13,9 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
 from std_srvs.srv import SetBool, Trigger
 
-from .._jit import is_compiled
 from ..command_line import Parser
-from ..evaluation import Evaluation, evaluate, invalid
-from ..genome import GenomeError, random_genome
+from ..evaluation import Evaluation, evaluate, invalid, prepare
+from ..genome import GenomeError
 from ..live import Animat, NotViable, Stage
 from ..messages import (
     body_message, cell_states_message, evaluation_message, genome_from_message, task_from_message,
@@ -42,9 +40,7 @@ class Simulator(Node):
         self._frame = self.declare_parameter("frame_id", "world", _fixed("frame of positions and targets")).value
         self._most = self.declare_parameter("max_batch", 1000, _fixed("genomes in one request, at the most", 1, 10_000)).value
         every = self.declare_parameter("publish_every", 1, _fixed("control steps between cell states", 1, 100_000)).value
-        if not is_compiled():
-            self.get_logger().info("compiling the simulation kernels, once: about a minute")
-        evaluate(random_genome(np.random.default_rng(0)))  # loads the kernels: the first request does not wait
+        prepare(say=self.get_logger().info)  # the first request does not wait
 
         self._body = self.create_publisher(Body, "body", LATCHED)
         self._states = self.create_publisher(CellStates, "cell_states", qos_profile_sensor_data)
