@@ -22,7 +22,7 @@ from .evolution import Evolution, Individual
 from .fleet import Fleet, FleetError, OwnSimulators, find_simulators
 from .messages import champion_message, evolution_message, statistics_message
 
-_DISCOVERY = 2.0  # s from the node's start in which simulators on the graph are found
+_DISCOVERY = 2.5  # s from the node's start in which simulators on the graph are found
 _MORE = 0.5  # s to wait for another one after each
 _START = 60.0  # s for a simulator to answer
 
