@@ -1,0 +1,136 @@
+"""A recording as Rerun entities, on the timelines `time` (growth, then swim) and `generation`.
+
+    animat/cells, animat/springs, animat/chambers, animat/outline, animat/trail     the body, in m, in the plane z = 0
+    animat/centre                                                                   frame that moves with the centre of mass
+    plots/activation/cell_*, plots/distance                                         the swim in curves
+    evolution/best, median, diversity; evolution/chart/*                            a run; the chart is on every timeline
+    summary                                                                         settings and champion
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import rerun as rr
+
+from ..recording import Recording
+from .colours import ACCENT, INK, QUIET, SECOND, activation_colours
+from .life import Life, contrasting_cells
+from .summary import markdown
+
+_TRAIL_UPDATES = 200  # a trail has up to as many points, and is logged as often
+_BEHIND, _BEFORE = -0.05, 0.05  # z of chambers and of lines, m: discs lie between
+
+
+def log_recording(stream: rr.RecordingStream, recording: Recording, life: Life) -> None:
+    """Log everything that a recording holds."""
+    stream.log("summary", rr.TextDocument(markdown(recording, life), media_type=rr.MediaType.MARKDOWN), static=True)
+    _log_cells(stream, life)
+    _log_springs(stream, life)
+    if len(life.time):
+        _log_chambers(stream, life)
+        _log_lines(stream, "animat/outline", [life.time], [life.position], [life.outline], INK, 0.07)
+        _log_centre(stream, life)
+        _log_curves(stream, life)
+    if recording.statistics:
+        _log_evolution(stream, recording.statistics)
+
+
+def _at(seconds) -> list[rr.TimeColumn]:
+    return [rr.TimeColumn("time", duration=seconds)]
+
+
+def _space(plane, z: float) -> np.ndarray:
+    """Points (..., 2) in the plane as points (..., 3) in space, float32."""
+    return np.concatenate((plane, np.full((*plane.shape[:-1], 1), z)), axis=-1, dtype=np.float32)
+
+
+def _log_cells(stream, life: Life) -> None:
+    growth = life.growth
+    lengths = [len(pose.position) for pose in growth] + [life.position.shape[1]] * len(life.time)
+    if not lengths:
+        return
+    position = np.concatenate([pose.position for pose in growth] + [life.position.reshape(-1, 2)])
+    activation = np.concatenate([pose.activation for pose in growth] + [life.activation.ravel()])
+    stream.log("animat/cells", rr.Points3D.from_fields(radii=0.5, point_shading=rr.components.PointShading.Flat), static=True)
+    columns = rr.Points3D.columns(positions=_space(position, 0.0), colors=activation_colours(activation))
+    stream.send_columns("animat/cells", _at(np.concatenate((life.growth_time, life.time))), columns.partition(lengths))
+
+
+def _log_springs(stream, life: Life) -> None:
+    times, positions = [np.array([t]) for t in life.growth_time], [pose.position[None] for pose in life.growth]
+    _log_lines(
+        stream, "animat/springs", [*times, life.time], [*positions, life.position], [*life.growth_springs, life.springs], INK, 0.025
+    )
+
+
+def _log_lines(stream, entity, times, positions, pairs, colour, radius) -> None:
+    """Lines between pairs of cells.  Args: of each stretch in time: times (T,), positions (T, N, 2), pairs (E, 2)."""
+    import pyarrow as pa
+
+    ends = [_space(position[:, pair].reshape(-1, 2), _BEFORE) for position, pair in zip(positions, pairs)]
+    lengths = np.concatenate([np.full(len(time), len(pair)) for time, pair in zip(times, pairs)])
+    if not lengths.sum():
+        return
+    # Strips of two points each, given to Rerun as the Arrow array that it would make one by one.
+    points = rr.encodings.Vec3DBatch(np.concatenate(ends)).as_arrow_array()
+    kind = rr.components.LineStrip3DBatch([]).as_arrow_array().type
+    strips = pa.ListArray.from_arrays(pa.array(np.arange(0, len(points) + 1, 2), pa.int32()), points, type=kind)
+    stream.log(entity, rr.LineStrips3D.from_fields(radii=radius, colors=colour), static=True)
+    columns = rr.LineStrips3D.columns(strips=strips).partition(lengths)
+    stream.send_columns(entity, _at(np.concatenate(times)), columns)
+
+
+def _log_chambers(stream, life: Life) -> None:
+    triangles = [triangle for chamber in life.chambers for triangle in _fan(life.position[0], chamber)]
+    if not triangles:
+        return
+    stream.log("animat/chambers", rr.Mesh3D.from_fields(triangle_indices=np.array(triangles, np.uint32)), static=True)
+    steps, cells = life.activation.shape
+    tint = 0.6 * 255 + 0.4 * activation_colours(life.activation.ravel())
+    columns = rr.Mesh3D.columns(
+        vertex_positions=_space(life.position.reshape(-1, 2), _BEHIND), vertex_colors=tint.astype(np.uint8)
+    )
+    stream.send_columns("animat/chambers", _at(life.time), columns.partition([cells] * steps))
+
+
+def _fan(position, chamber) -> np.ndarray:
+    """Triangles (K, 3) of a chamber: of the fans from its corners, the one whose least triangle is the largest."""
+    corners = [np.roll(chamber, -k) for k in range(len(chamber))]
+    fans = [np.column_stack((np.full(len(c) - 2, c[0]), c[1:-1], c[2:])) for c in corners]
+    return max(fans, key=lambda fan: _twice_area(*position[fan].swapaxes(0, 1)).min())
+
+
+def _twice_area(a, b, c) -> np.ndarray:
+    return (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
+
+
+def _log_centre(stream, life: Life) -> None:
+    centre = _space(life.centre, 0.0)
+    stream.send_columns("animat/centre", _at(life.time), rr.Transform3D.columns(translation=centre))
+    ends = np.unique(np.linspace(0, len(centre) - 1, _TRAIL_UPDATES).astype(int))
+    trails = [_space(life.centre[ends[: k + 1]], 2 * _BEFORE) for k in range(1, len(ends))]
+    stream.log("animat/trail", rr.LineStrips3D.from_fields(radii=0.05, colors=ACCENT), static=True)
+    if trails:
+        stream.send_columns("animat/trail", _at(life.time[ends[1:]]), rr.LineStrips3D.columns(strips=trails))
+
+
+def _log_curves(stream, life: Life) -> None:
+    for k, (cell, colour) in enumerate(zip(contrasting_cells(life), (ACCENT, SECOND))):
+        entity = f"plots/activation/cell_{cell}"
+        _log_curve(stream, entity, _at(life.time), life.activation[:, cell], f"cell {cell}", colour)
+    _log_curve(stream, "plots/distance", _at(life.time), life.distance, "distance of the centre of mass, m", INK)
+
+
+def _log_curve(stream, entity, index, values, name, colour) -> None:
+    stream.log(entity, rr.SeriesLines(names=name, colors=colour, widths=1.5), static=True)
+    stream.send_columns(entity, index, rr.Scalars.columns(scalars=values))
+
+
+def _log_evolution(stream, statistics) -> None:
+    generation = [s.generation for s in statistics]
+    for name, colour in (("best", ACCENT), ("median", SECOND), ("diversity", QUIET)):
+        values = [getattr(s, name) for s in statistics]
+        _log_curve(stream, f"evolution/{name}", [rr.TimeColumn("generation", sequence=generation)], values, name, colour)
+    # Curves show one timeline at a time; a bar chart is there on all of them.
+    best = [s.best for s in statistics]
+    stream.log("evolution/chart", rr.BarChart(best, abscissa=generation, color=ACCENT), static=True)
