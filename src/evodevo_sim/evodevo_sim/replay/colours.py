@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-CONTRACTING, AT_REST, EXPANDING = np.array([[36, 92, 220], [92, 184, 92], [224, 48, 44]], float)  # sRGB, 0..255
-INK, QUIET, ACCENT, SECOND = (38, 43, 54), (138, 145, 158), (214, 120, 20), (112, 76, 170)  # text, trails and curves
+# sRGB, 0..255, at e - c of -1, -1/4, 0, 1/4 and 1
+_STOPS = np.array([(36, 92, 220), (64, 160, 190), (92, 184, 92), (222, 168, 60), (224, 48, 44)], float)
+INK, QUIET, ACCENT, SECOND, THIRD = (38, 43, 54), (138, 145, 158), (222, 116, 24), (132, 92, 196), (34, 150, 160)
+PAPER = (250, 250, 248)
 
 
 def activation_colours(activation) -> np.ndarray:
@@ -14,11 +16,10 @@ def activation_colours(activation) -> np.ndarray:
     Args: activation: any shape (...); outside [-1, 1] it is clipped, NaN is at rest.
     Returns: (..., 3) uint8, sRGB.
     """
-    a = np.nan_to_num(np.clip(np.asarray(activation, float), -1.0, 1.0))[..., None]
-    share = np.sqrt(np.abs(a))
-    end = np.where(a < 0, CONTRACTING, EXPANDING)
-    # Mixed as light, not as sRGB numbers: halfway between green and red is no mud.
-    return np.rint(np.sqrt((1 - share) * AT_REST**2 + share * end**2)).astype(np.uint8)
+    a = np.nan_to_num(np.clip(np.asarray(activation, float), -1.0, 1.0))
+    stretched = np.sign(a) * np.sqrt(np.abs(a))
+    channels = [np.interp(stretched, np.linspace(-1.0, 1.0, len(_STOPS)), channel) for channel in _STOPS.T]
+    return np.rint(np.stack(channels, axis=-1)).astype(np.uint8)
 
 
 def unit_rgb(colour) -> tuple[float, ...]:

@@ -1,7 +1,7 @@
 """A recording as Rerun entities, on the timelines `time` (growth, then swim) and `generation`.
 
     animat/cells, animat/springs, animat/chambers, animat/outline, animat/trail     the body, in m, in the plane z = 0
-    animat/centre                                                                   frame that moves with the centre of mass
+    animat/centre, animat/metres                                                    frame at the centre of mass; a grid of 1 m
     plots/activation/cell_*, plots/distance                                         the swim in curves
     evolution/best, median, diversity; evolution/chart/*                            a run; the chart is on every timeline
     summary                                                                         settings and champion
@@ -13,12 +13,14 @@ import numpy as np
 import rerun as rr
 
 from ..recording import Recording
-from .colours import ACCENT, INK, QUIET, SECOND, activation_colours
+from .colours import ACCENT, INK, QUIET, SECOND, THIRD, activation_colours
 from .life import Life, contrasting_cells
 from .summary import markdown
 
 _TRAIL_UPDATES = 200  # a trail has up to as many points, and is logged as often
-_BEHIND, _BEFORE = -0.05, 0.05  # z of chambers and of lines, m: discs lie between
+_GRID, _BEHIND, _BEFORE, _TRAIL = -0.04, -0.02, 0.02, 0.04  # m, heights of what lies below and above the cells' discs
+_DISC = 0.01  # m, thickness
+_GRID_LINES = 80  # at the most, in each direction
 
 
 def log_recording(stream: rr.RecordingStream, recording: Recording, life: Life) -> None:
@@ -28,8 +30,8 @@ def log_recording(stream: rr.RecordingStream, recording: Recording, life: Life) 
     _log_springs(stream, life)
     if len(life.time):
         _log_chambers(stream, life)
-        _log_lines(stream, "animat/outline", [life.time], [life.position], [life.outline], INK, 0.07)
-        _log_centre(stream, life)
+        _log_lines(stream, "animat/outline", [life.time], [life.position], [life.outline], INK, 0.045)
+        _log_trail(stream, life)
         _log_curves(stream, life)
     if recording.statistics:
         _log_evolution(stream, recording.statistics)
@@ -51,15 +53,36 @@ def _log_cells(stream, life: Life) -> None:
         return
     position = np.concatenate([pose.position for pose in growth] + [life.position.reshape(-1, 2)])
     activation = np.concatenate([pose.activation for pose in growth] + [life.activation.ravel()])
-    stream.log("animat/cells", rr.Points3D.from_fields(radii=0.5, point_shading=rr.components.PointShading.Flat), static=True)
-    columns = rr.Points3D.columns(positions=_space(position, 0.0), colors=activation_colours(activation))
-    stream.send_columns("animat/cells", _at(np.concatenate((life.growth_time, life.time))), columns.partition(lengths))
+    # Flat cylinders: points are drawn as spheres, and lines would sink into them.  Where discs overlap, the later cell is above.
+    ranks = np.concatenate([np.arange(n) / n for n in lengths])[:, None] * _DISC
+    discs = rr.Cylinders3D.from_fields(radii=0.5, fill_mode="solid", show_labels=False)
+    stream.log("animat/cells", discs, static=True)
+    columns = rr.Cylinders3D.columns(
+        centers=np.concatenate((position, ranks), axis=1, dtype=np.float32), colors=activation_colours(activation),
+        lengths=np.full(len(position), _DISC, np.float32),
+    )
+    times = np.concatenate((life.growth_time, life.time))
+    stream.send_columns("animat/cells", _at(times), columns.partition(lengths))
+    first = np.cumsum([0, *lengths[:-1]])
+    centre = np.add.reduceat(position, first) / np.array(lengths)[:, None]
+    stream.send_columns("animat/centre", _at(times), rr.Transform3D.columns(translation=_space(centre, 0.0)))
+    _log_metres(stream, position)
+
+
+def _log_metres(stream, position) -> None:
+    """Lines a metre apart below all that moves; farther apart where there would be too many."""
+    low, high = np.floor(position.min(axis=0)) - 8, np.ceil(position.max(axis=0)) + 8
+    step = 10 ** max(0, np.ceil(np.log10(max(high - low) / _GRID_LINES)))
+    x, y = (np.arange(np.floor(a / step), np.ceil(b / step) + 1) * step for a, b in zip(low, high))
+    lines = [((v, y[0]), (v, y[-1])) for v in x] + [((x[0], v), (x[-1], v)) for v in y]
+    strips = rr.LineStrips3D(_space(np.array(lines), _GRID), radii=rr.Radius.ui_points(0.5), colors=(222, 224, 226))
+    stream.log("animat/metres", strips, static=True)
 
 
 def _log_springs(stream, life: Life) -> None:
     times, positions = [np.array([t]) for t in life.growth_time], [pose.position[None] for pose in life.growth]
     _log_lines(
-        stream, "animat/springs", [*times, life.time], [*positions, life.position], [*life.growth_springs, life.springs], INK, 0.025
+        stream, "animat/springs", [*times, life.time], [*positions, life.position], [*life.growth_springs, life.springs], INK, 0.02
     )
 
 
@@ -104,11 +127,10 @@ def _twice_area(a, b, c) -> np.ndarray:
     return (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
 
 
-def _log_centre(stream, life: Life) -> None:
-    centre = _space(life.centre, 0.0)
-    stream.send_columns("animat/centre", _at(life.time), rr.Transform3D.columns(translation=centre))
-    ends = np.unique(np.linspace(0, len(centre) - 1, _TRAIL_UPDATES).astype(int))
-    trails = [_space(life.centre[ends[: k + 1]], 2 * _BEFORE) for k in range(1, len(ends))]
+def _log_trail(stream, life: Life) -> None:
+    """Where the centre of mass came along, longer and longer."""
+    ends = np.unique(np.linspace(0, len(life.time) - 1, _TRAIL_UPDATES).astype(int))
+    trails = [_space(life.centre[ends[: k + 1]], _TRAIL) for k in range(1, len(ends))]
     stream.log("animat/trail", rr.LineStrips3D.from_fields(radii=0.05, colors=ACCENT), static=True)
     if trails:
         stream.send_columns("animat/trail", _at(life.time[ends[1:]]), rr.LineStrips3D.columns(strips=trails))
@@ -118,7 +140,7 @@ def _log_curves(stream, life: Life) -> None:
     for k, (cell, colour) in enumerate(zip(contrasting_cells(life), (ACCENT, SECOND))):
         entity = f"plots/activation/cell_{cell}"
         _log_curve(stream, entity, _at(life.time), life.activation[:, cell], f"cell {cell}", colour)
-    _log_curve(stream, "plots/distance", _at(life.time), life.distance, "distance of the centre of mass, m", INK)
+    _log_curve(stream, "plots/distance", _at(life.time), life.distance, "centre of mass", THIRD)
 
 
 def _log_curve(stream, entity, index, values, name, colour) -> None:

@@ -6,11 +6,11 @@ import numpy as np
 import rerun.blueprint as rrb
 
 from ..recording import Recording
+from .colours import PAPER
 from .life import Life
 
-_PAPER = [250, 250, 248]
-_LINES = [222, 224, 228]
-_HEIGHT = 1.3  # of the eye, per metre of what it has to see: the viewer's field of view, and a margin
+_HEIGHT = 1.1  # of the eye, per metre from the lowest to the highest that it has to see: the viewer's field of view, and a margin
+_LANDSCAPE = 1.6  # width of the view, as far as we can know it, in heights
 
 
 def blueprint(recording: Recording, life: Life) -> rrb.Blueprint:
@@ -49,9 +49,9 @@ def _from_above(name: str, origin: str, points) -> rrb.Spatial3DView:
     """A view along -z, in which y points up (a 2D view would turn it over).  Args: points (K, 2) m that it has to hold."""
     low, high = points.min(axis=0) - 0.5, points.max(axis=0) + 0.5
     x, y = (low + high) / 2
-    height = _HEIGHT * max(high - low)
+    height = _HEIGHT * max((high - low) / (_LANDSCAPE, 1.0))
     return rrb.Spatial3DView(
-        origin=origin, contents="/animat/**", name=name, background=_PAPER,
+        origin=origin, contents="/animat/**", name=name, background=[*PAPER],
         line_grid=rrb.LineGrid3D(visible=False),
         eye_controls=rrb.EyeControls3D(
             kind=rrb.Eye3DKind.Orbital, position=(x, y, height), look_target=(x, y, 0.0), eye_up=(0.0, 1.0, 0.0)
@@ -75,7 +75,7 @@ def _evolution(recording: Recording) -> list:
     if not recording.statistics:
         return []
     fitness = rrb.TimeSeriesView(
-        origin="/evolution", contents=["/evolution/best", "/evolution/median"], name="Fitness on timeline `generation`"
+        origin="/evolution", contents=["/evolution/best", "/evolution/median"], name="By generation"
     )
     diversity = rrb.TimeSeriesView(origin="/evolution/diversity", name="Diversity")
-    return [rrb.BarChartView(origin="/evolution/chart", name="Best fitness"), fitness, diversity]
+    return [rrb.BarChartView(origin="/evolution/chart", name="Best fitness", plot_legend=rrb.PlotLegend(visible=False)), fitness, diversity]
