@@ -46,18 +46,20 @@ _LISTS = {
 _SINGLE = {"/evolution/settings": ("settings", msg.Evolution), "/body": ("body", msg.Body)}
 
 
-def read_recording(path: str | os.PathLike) -> Recording:
+def read_recording(path: str | os.PathLike, progress: bool = False) -> Recording:
     """Read a recording, as far as it goes.
 
     Topics count whatever namespace they are in; of several animats the first one is read.
 
-    Args: path: a directory with MCAP files, or one such file.  Raises RecordingError.
+    Args: path: a directory with MCAP files, or one such file; progress: whether to show a bar on stderr when it takes long.
+    Raises RecordingError.
     """
     recording = Recording(Path(path))
     wanted: dict[str, tuple[str, type, bool] | None] = {}
     for file in _files(recording.path):
         try:
             with open(file, "rb") as stream:
+                stream = _watched(stream, file) if progress else stream
                 for schema, channel, message in NonSeekingReader(stream).iter_messages(log_time_order=False):
                     if channel.topic not in wanted:
                         wanted[channel.topic] = _choose(channel.topic, schema, file, wanted)
@@ -75,6 +77,14 @@ def read_recording(path: str | os.PathLike) -> Recording:
         what = "was cut before its first message" if recording.truncated else "holds nothing of evodevo's"
         raise RecordingError(f"{recording.path} {what}: {_HOW}")
     return recording
+
+
+def _watched(stream, file: Path):
+    """The stream, with a bar once reading has taken two seconds."""
+    from tqdm import tqdm
+
+    size = file.stat().st_size
+    return tqdm.wrapattr(stream, "read", total=size, desc=f"Reading {file.name}", delay=2, leave=False).__enter__()
 
 
 def _files(path: Path) -> list[Path]:

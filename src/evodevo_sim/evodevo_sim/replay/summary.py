@@ -9,21 +9,30 @@ from ..recording import Recording
 from .life import Life
 
 
-def title(recording: Recording) -> str:
-    """One line: what the recording is."""
-    return " · ".join([recording.path.resolve().name, *_facts(recording)])
+def headline(recording: Recording, life: Life) -> tuple[str, str]:
+    """Name, and one line of what the recording is."""
+    facts, settings = [], recording.settings
+    if settings is not None:
+        facts.append(f"{settings.task.name}, seed {settings.seed}")
+    if recording.statistics:
+        facts.append(f"{len(recording.statistics)} generations" + (f" of {settings.population}" if settings is not None else ""))
+    if recording.champions:
+        facts.append(f"fitness {recording.champions[-1].evaluation.fitness:.3f}")
+    if len(life.time):
+        facts.append(f"{life.position.shape[1]} cells, {len(life.chambers)} chambers")
+        facts.append(f"{life.distance[-1]:.2f} cell diameters in {life.time[-1] - life.time[0]:.1f} s")
+    if recording.truncated:
+        facts.append("the end of the recording is missing")
+    return name_of(recording), "  ·  ".join(facts)
 
 
-def _facts(recording: Recording) -> list[str]:
-    settings = recording.settings
-    if settings is None:
-        return []
-    return [settings.task.name, f"seed {settings.seed}", f"{len(recording.statistics)} generations of {settings.population}"]
+def name_of(recording: Recording) -> str:
+    return recording.path.resolve().stem
 
 
 def markdown(recording: Recording, life: Life) -> str:
     """All of it, as Markdown."""
-    parts = [f"# {recording.path.resolve().name}"]
+    parts = [f"# {name_of(recording)}"]
     if recording.truncated:
         parts.append("*The end of this recording is missing; this is what was saved.*")
     if recording.champions:

@@ -41,7 +41,7 @@ def _bodies(life: Life) -> list:
     if len(life.time):
         about = (life.position - life.centre[:, None]).reshape(-1, 2)
         views.append(_from_above("Body", "/animat/centre", about))
-    views.append(_from_above("Whole way", "/animat", points))
+    views.append(_from_above("Whole path", "/animat", points))
     return views
 
 

@@ -1,0 +1,49 @@
+"""The Rerun viewer: files for it, and the program itself."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from pathlib import Path
+
+from ..recording import Recording
+from .files import OutputError
+from .life import Life
+
+NO_RERUN = "the Rerun viewer is not installed: pip install rerun-sdk"
+
+
+def has_display() -> bool:
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def save(recording: Recording, life: Life, path: str) -> None:
+    """Write a Rerun file.  Raises OutputError where Rerun is missing or cannot write."""
+    try:
+        import rerun
+    except ImportError:
+        raise OutputError(NO_RERUN) from None
+    from .rerun_log import log_recording
+    from .views import blueprint
+
+    stream = rerun.RecordingStream("evodevo")
+    try:
+        stream.save(path, default_blueprint=blueprint(recording, life))
+        log_recording(stream, recording, life)
+    finally:
+        stream.disconnect()
+
+
+def show(path: str | os.PathLike) -> int:
+    """Open a Rerun file in the viewer, reachable from this host alone, and wait until it is closed.  Returns its exit code."""
+    import rerun_cli
+
+    # The program itself: its Python wrapper would leave it running when it is ended.
+    program = Path(rerun_cli.__file__).parent / "rerun"
+    viewer = subprocess.Popen([program if program.exists() else "rerun", "--bind", "127.0.0.1", "--port", "auto", path])
+    try:
+        return viewer.wait()
+    finally:
+        if viewer.poll() is None:
+            viewer.terminate()
+            viewer.wait()
