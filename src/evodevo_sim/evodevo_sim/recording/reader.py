@@ -1,9 +1,10 @@
-"""Reads recordings, whole ones and those whose writer was killed."""
+"""Reads recordings, whole ones and those whose writer was killed or whose end is damaged."""
 
 from __future__ import annotations
 
 import os
 import struct
+from contextlib import nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -11,9 +12,12 @@ from evodevo_msgs import msg
 from mcap.exceptions import InvalidMagic, McapError
 from mcap.reader import NonSeekingReader
 from rclpy.serialization import deserialize_message
+from zstandard import ZstdError
 
 from .definitions import RecordingError, definition
 
+# What a missing end, or damage, can set off in the MCAP reader, decompression and ROS's deserialisation.
+_DAMAGE = (McapError, ZstdError, struct.error, RuntimeError, ValueError, KeyError, EOFError, MemoryError)
 _HOW = "give a directory that `evolve` or `ros2 bag record -s mcap` made"
 
 
@@ -22,7 +26,7 @@ class Recording:
     """The messages of a recording, in the order in which they were written; what it does not hold is None or empty.
 
     Attributes: settings: Evolution; statistics: GenerationStatistics; champions: Champion; growth and states: CellStates;
-    growth_bodies: Body, where the embryo's graph changed; body: Body; truncated: whether the end is missing.
+    growth_bodies: Body, where the embryo's graph changed; body: Body; truncated: whether the end is missing, or damaged.
     """
 
     path: Path
@@ -58,33 +62,35 @@ def read_recording(path: str | os.PathLike, progress: bool = False) -> Recording
     wanted: dict[str, tuple[str, type, bool] | None] = {}
     for file in _files(recording.path):
         try:
-            with open(file, "rb") as stream:
-                stream = _watched(stream, file) if progress else stream
-                for schema, channel, message in NonSeekingReader(stream).iter_messages(log_time_order=False):
+            with open(file, "rb") as opened, _watched(opened, file, progress) as stream:
+                for schema, channel, message in NonSeekingReader(stream, validate_crcs=True).iter_messages(log_time_order=False):
                     if channel.topic not in wanted:
                         wanted[channel.topic] = _choose(channel.topic, schema, file, wanted)
                     if wanted[channel.topic]:
                         _keep(recording, message.data, *wanted[channel.topic])
+        except RecordingError:
+            raise
         except OSError as error:
             raise RecordingError(f"{file}: {error.strerror}: {_HOW}") from None
         except InvalidMagic:
             if not wanted and not _begins_as_mcap(file):
                 raise RecordingError(f"{file} is not an MCAP file: {_HOW}") from None
             recording.truncated = True
-        except (McapError, struct.error, ValueError, KeyError, MemoryError):
+        except _DAMAGE:
             recording.truncated = True
     if not any(wanted.values()):
-        what = "was cut before its first message" if recording.truncated else "holds nothing of evodevo's"
+        what = "is cut or damaged before its first message" if recording.truncated else "holds nothing of evodevo's"
         raise RecordingError(f"{recording.path} {what}: {_HOW}")
     return recording
 
 
-def _watched(stream, file: Path):
-    """The stream, with a bar once reading has taken two seconds."""
+def _watched(stream, file: Path, progress: bool):
+    """A context: the stream, with a bar once reading has taken two seconds."""
+    if not progress:
+        return nullcontext(stream)
     from tqdm import tqdm
 
-    size = file.stat().st_size
-    return tqdm.wrapattr(stream, "read", total=size, desc=f"Reading {file.name}", delay=2, leave=False).__enter__()
+    return tqdm.wrapattr(stream, "read", total=file.stat().st_size, desc=f"Reading {file.name}", delay=2, leave=False)
 
 
 def _files(path: Path) -> list[Path]:

@@ -75,13 +75,16 @@ def _replay(options: argparse.Namespace) -> int:
     life = life_of(recording)
     if options.png:
         _picture(recording, life, options.png)
-    opens = viewer.has_display() and not options.no_viewer
+    opens = viewer.has_display() and viewer.is_installed() and not options.no_viewer
     if opens and not options.save:
         with tempfile.TemporaryDirectory(prefix="evodevo-") as directory:
             file = os.path.join(directory, f"{source.resolve().stem}.rrd")
             viewer.save(recording, life, file)
             return viewer.show(file)
     if options.no_viewer and options.png and not options.save:
+        return 0
+    if options.png and not options.save and not viewer.is_installed():
+        print(f"replay: {viewer.NO_RERUN}", file=sys.stderr)
         return 0
     target = options.save or _beside(source)
     with files.whole(target, ".rrd") as file:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import subprocess
+import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 from ..recording import Recording
@@ -17,12 +19,16 @@ def has_display() -> bool:
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
+def is_installed() -> bool:
+    return find_spec("rerun") is not None
+
+
 def save(recording: Recording, life: Life, path: str) -> None:
     """Write a Rerun file.  Raises OutputError where Rerun is missing or cannot write."""
-    try:
-        import rerun
-    except ImportError:
-        raise OutputError(NO_RERUN) from None
+    if not is_installed():
+        raise OutputError(NO_RERUN)
+    import rerun
+
     from .rerun_log import log_recording
     from .views import blueprint
 
@@ -42,7 +48,10 @@ def show(path: str | os.PathLike) -> int:
     program = Path(rerun_cli.__file__).parent / "rerun"
     viewer = subprocess.Popen([program if program.exists() else "rerun", "--bind", "127.0.0.1", "--port", "auto", path])
     try:
-        return viewer.wait()
+        code = viewer.wait()
+        if code:
+            print(f"replay: the viewer ended with code {code}: --no-viewer saves a file instead", file=sys.stderr)
+        return code
     finally:
         if viewer.poll() is None:
             viewer.terminate()
