@@ -43,7 +43,8 @@ def plain(message):
     if hasattr(message, "get_fields_and_field_types"):
         return {name: plain(getattr(message, name)) for name in message.get_fields_and_field_types()}
     if dataclasses.is_dataclass(message):
-        return {field.name: plain(getattr(message, field.name)) for field in dataclasses.fields(message) if field.name[0] != "_"}
+        names = [field.name for field in dataclasses.fields(message) if field.name[0].islower()]  # others are constants
+        return {name: plain(getattr(message, name)) for name in names}
     if hasattr(message, "__slots__") and not isinstance(message, (str, bytes, bytearray)):
         return {name: plain(getattr(message, name)) for name in message.__slots__ if not name.startswith("_")}
     if isinstance(message, (bytes, bytearray)):
@@ -69,11 +70,11 @@ def test_every_kind_of_message_comes_back(run, written):
 
 
 def test_a_life_is_recorded_step_by_step_in_running_time(run):
-    recording, life = read_recording(run), recordings.life()
-    assert len(recording.growth) == recordings.TASK.development.steps + 1 and len(recording.states) == recordings.TASK.control_steps + 1
+    recording, life, task = read_recording(run), recordings.life(), recordings.TASK
+    assert len(recording.growth) == task.development.steps + 1 and len(recording.states) == task.control_steps + 1
     assert np.array_equal([s.position_x for s in recording.states], life.position[..., 0])
     stamps = [s.header.stamp.sec + 1e-9 * s.header.stamp.nanosec for s in recording.growth + recording.states]
-    assert np.diff(stamps) == pytest.approx(recordings.TASK.control_step, abs=2e-9)
+    assert np.diff(stamps) == pytest.approx(task.control_step, abs=2e-9)
 
 
 def test_a_single_file_is_a_recording_too(run):

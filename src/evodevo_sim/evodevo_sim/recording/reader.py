@@ -118,8 +118,10 @@ def _choose(topic, schema, file, wanted):
         attribute, message_type = table[ending]
         if any(choice and choice[0] == attribute for choice in wanted.values()):
             return None
-        if schema is None or schema.data.decode(errors="replace").split() != definition(f"evodevo_msgs/msg/{message_type.__name__}").split():
-            raise RecordingError(f"{file}: {topic} was recorded with other message types: replay it with the version that made it")
+        ours = definition(f"evodevo_msgs/msg/{message_type.__name__}")
+        if schema is None or schema.data.decode(errors="replace").split() != ours.split():
+            how = "replay it with the version that made it"
+            raise RecordingError(f"{file}: {topic} was recorded with other message types: {how}")
         return attribute, message_type, many
     return None
 

@@ -39,7 +39,8 @@ def _parse(arguments: list[str] | None) -> argparse.Namespace:
     parser.add_argument("recording", nargs="?", type=Path, metavar="RECORDING", help="default: the newest one under bags/")
     parser.add_argument("--save", type=Path, metavar="FILE.rrd", help="save a Rerun file")
     parser.add_argument("--png", type=Path, metavar="FILE.png", help="save a picture, 1600 pixels wide")
-    parser.add_argument("--no-viewer", action="store_true", help="only save: what is named, or else a Rerun file beside the recording")
+    only = "only save: what is named, or else a Rerun file as without a display"
+    parser.add_argument("--no-viewer", action="store_true", help=only)
     return parser.parse_args(arguments)
 
 
@@ -120,7 +121,8 @@ def _picture(recording, life, path: Path) -> None:
     from . import files
     from .picture import save_story
 
-    with files.whole(path, ".png") as file, tqdm(desc="Drawing", total=4, delay=2, unit="part", leave=False, file=sys.stderr) as bar:
+    bar = tqdm(desc="Drawing", total=4, delay=2, unit="part", leave=False)
+    with files.whole(path, ".png") as file, bar:
         save_story(recording, life, file, lambda part: bar.update())
     print(f"Saved {path}")
 

@@ -28,7 +28,8 @@ def draw_pose(axes, pose: Pose, springs, outline=(), chambers=()) -> None:
     axes.add_collection(discs)
     for pairs, width in ((springs, thin), (outline, 2.2 * thin)):
         if len(pairs):
-            axes.add_collection(LineCollection(position[pairs], colors=[unit_rgb(INK)], linewidths=width, capstyle="round", zorder=3))
+            lines = LineCollection(position[pairs], colors=[unit_rgb(INK)], linewidths=width, capstyle="round", zorder=3)
+            axes.add_collection(lines)
 
 
 def draw_swim(axes, life: Life, step: int) -> None:
@@ -56,14 +57,12 @@ def bounds(position) -> tuple[np.ndarray, np.ndarray]:
 
 
 def scale_bar(axes, metres: float) -> None:
-    """A bar of some metres, i.e. cell diameters, below the axes on the right, in line with their caption."""
+    """A bar of some metres, i.e. cell diameters, above the axes on the right."""
     right, (bottom, top) = axes.get_xlim()[1], axes.get_ylim()
-    y = bottom - 0.1 / axes.get_window_extent().height * axes.figure.dpi * (top - bottom)
+    y = top + 0.17 * axes.figure.dpi * (top - bottom) / axes.get_window_extent().height
     axes.plot([right - metres, right], [y, y], color=unit_rgb(INK), linewidth=2, solid_capstyle="butt", clip_on=False)
-    axes.annotate(
-        f"{metres:g} m", (right - metres, y), (-6, 0), textcoords="offset points", ha="right", va="center", fontsize=8.5, color="0.35",
-        annotation_clip=False,
-    )
+    style = {"ha": "right", "va": "center", "fontsize": 8.5, "color": "0.35", "annotation_clip": False}
+    axes.annotate(f"{metres:g} m", (right - metres, y), (-6, 0), textcoords="offset points", **style)
 
 
 def round_length(metres: float) -> float:

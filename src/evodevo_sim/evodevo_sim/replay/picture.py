@@ -57,7 +57,7 @@ def save_frame(life: Life, path, step: int = -1, pixels: int = 800) -> None:
 
 
 def _axes(figure, top, tall, columns: int, rows: int = 1, gap: float = 0.1, left: float = _LEFT, under: float = 0.0):
-    """Axes in a grid.  Args, in inches: top, tall of the grid; gap between columns; left margin; room under each axes but the last."""
+    """Axes in a grid.  Args, in inches: top and tall of the grid; gap between columns; left margin; room under rows."""
     width = (_WIDTH - left - _RIGHT - gap * (columns - 1)) / columns
     height = (tall - under * (rows - 1)) / rows
     total = figure.get_figheight()
@@ -140,7 +140,8 @@ def _swim_row(life: Life):
             if number == 0:
                 for cell, colour in zip(contrasting_cells(life), (ACCENT, SECOND)):
                     axes.plot(*life.position[k, cell], "o", color=unit_rgb(colour), mec="white", mew=1, ms=6, zorder=6)
-        scale_bar(axes, round_length(np.ptp(axes.get_xlim()) / 4))
+            if number == columns - 1:
+                scale_bar(axes, round_length(np.ptp(axes.get_xlim()) / 4))
 
     yield talls[columns], "swim", draw
 
@@ -177,8 +178,8 @@ def _activation(axes, life: Life) -> None:
         axes.plot(seconds[shown], life.activation[shown, cell], color=unit_rgb(colour), label=f"cell {cell}")
     most = min(1.05, max(0.25, 1.3 * np.abs(life.activation[np.ix_(shown, cells)]).max()))
     axes.axhline(0.0, color="0.75", linewidth=0.8, zorder=1)
-    axes.set(title="Activation of two cells, e − c", xlabel="time since birth, s", ylim=(-most, most))
-    axes.legend(ncols=2, loc="upper right", borderaxespad=0.0)
+    axes.set(title="Activation e − c", xlabel="time since birth, s", ylim=(-most, most))
+    _legend(axes)
 
 
 def _distance(axes, life: Life) -> None:
@@ -197,4 +198,9 @@ def _fitness(axes, statistics) -> None:
         axes.set_ylim(-0.06 * max(best), 1.08 * max(best))
     axes.axhline(0.0, color=unit_rgb(QUIET), linewidth=0.8, zorder=1)
     axes.set(title="Fitness, m", xlabel="generation")
-    axes.legend(loc="upper left")
+    _legend(axes)
+
+
+def _legend(axes) -> None:
+    """In the line of the title."""
+    axes.legend(ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2, handlelength=1.5, columnspacing=1.2)

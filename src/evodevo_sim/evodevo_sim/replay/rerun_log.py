@@ -20,6 +20,7 @@ from .summary import markdown
 _TRAIL_UPDATES = 200  # a trail has up to as many points, and is logged as often
 _GRID, _BEHIND, _BEFORE, _TRAIL = -0.04, -0.02, 0.02, 0.04  # m, heights of what lies below and above the cells' discs
 _DISC = 0.01  # m, thickness
+_BARS = 50  # at the most, in the chart of fitness
 _GRID_LINES = 80  # at the most, in each direction
 
 
@@ -81,9 +82,8 @@ def _log_metres(stream, position) -> None:
 
 def _log_springs(stream, life: Life) -> None:
     times, positions = [np.array([t]) for t in life.growth_time], [pose.position[None] for pose in life.growth]
-    _log_lines(
-        stream, "animat/springs", [*times, life.time], [*positions, life.position], [*life.growth_springs, life.springs], INK, 0.02
-    )
+    springs = [*life.growth_springs, life.springs]
+    _log_lines(stream, "animat/springs", [*times, life.time], [*positions, life.position], springs, INK, 0.02)
 
 
 def _log_lines(stream, entity, times, positions, pairs, colour, radius) -> None:
@@ -97,7 +97,8 @@ def _log_lines(stream, entity, times, positions, pairs, colour, radius) -> None:
     # Strips of two points each, given to Rerun as the Arrow array that it would make one by one.
     points = rr.encodings.Vec3DBatch(np.concatenate(ends)).as_arrow_array()
     kind = rr.components.LineStrip3DBatch([]).as_arrow_array().type
-    strips = pa.ListArray.from_arrays(pa.array(np.arange(0, len(points) + 1, 2), pa.int32()), points, type=kind)
+    offsets = pa.array(np.arange(0, len(points) + 1, 2), pa.int32())
+    strips = pa.ListArray.from_arrays(offsets, points, type=kind)
     stream.log(entity, rr.LineStrips3D.from_fields(radii=radius, colors=colour), static=True)
     columns = rr.LineStrips3D.columns(strips=strips).partition(lengths)
     stream.send_columns(entity, _at(np.concatenate(times)), columns)
@@ -154,5 +155,7 @@ def _log_evolution(stream, statistics) -> None:
         values = [getattr(s, name) for s in statistics]
         _log_curve(stream, f"evolution/{name}", [rr.TimeColumn("generation", sequence=generation)], values, name, colour)
     # Curves show one timeline at a time; a bar chart is there on all of them.
-    best = [s.best for s in statistics]
-    stream.log("evolution/chart", rr.BarChart(best, abscissa=generation, color=ACCENT), static=True)
+    every = -(-len(statistics) // _BARS)
+    best = [max(s.best for s in statistics[k : k + every]) for k in range(0, len(statistics), every)]
+    bars = rr.BarChart(best, abscissa=generation[::every], widths=np.full(len(best), 0.9 * every), color=ACCENT)
+    stream.log("evolution/chart", bars, static=True)

@@ -59,7 +59,8 @@ def _champion(champion: msg.Champion) -> str:
         "fitness": f"{evaluation.fitness:.4g}", "generation": champion.generation, "status": evaluation.cause or status,
         "genetic elements": len(champion.genome.kind), "cells": metrics.cells, "springs": metrics.springs,
         "chambers": metrics.chambers, "distance, m": f"{metrics.distance:.4g}",
-        "in the second half, m": f"{metrics.distance_second_half:.4g}", "activation amplitude": f"{metrics.activation_amplitude:.3g}",
+        "in the second half, m": f"{metrics.distance_second_half:.4g}",
+        "activation amplitude": f"{metrics.activation_amplitude:.3g}",
     }
     return "## Champion\n\n" + _table(rows)
 
@@ -69,7 +70,8 @@ def _numbers(message, prefix: str = "") -> dict:
     rows = {}
     for name in message.get_fields_and_field_types():
         value = getattr(message, name)
-        rows |= _numbers(value, f"{prefix}{name}.") if hasattr(value, "get_fields_and_field_types") else {prefix + name: value}
+        nested = hasattr(value, "get_fields_and_field_types")
+        rows |= _numbers(value, f"{prefix}{name}.") if nested else {prefix + name: value}
     return {name: f"{value:g}" if isinstance(value, float) else value for name, value in rows.items()}
 
 

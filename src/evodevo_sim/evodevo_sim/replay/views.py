@@ -62,11 +62,10 @@ def _from_above(name: str, origin: str, points) -> rrb.Spatial3DView:
 def _curves(life: Life) -> list:
     if not len(life.time):
         return []
+    full = rrb.ScalarAxis(range=(-1.0, 1.0))
     legend = rrb.PlotLegend(corner=rrb.Corner2D.LeftTop)
     return [
-        rrb.TimeSeriesView(
-            origin="/plots/activation", name="Activation e - c of two cells", plot_legend=legend, axis_y=rrb.ScalarAxis(range=(-1.0, 1.0))
-        ),
+        rrb.TimeSeriesView(origin="/plots/activation", name="Activation e - c of two cells", plot_legend=legend, axis_y=full),
         rrb.TimeSeriesView(origin="/plots/distance", name="Distance from birth, m", plot_legend=legend),
     ]
 
@@ -78,4 +77,5 @@ def _evolution(recording: Recording) -> list:
         origin="/evolution", contents=["/evolution/best", "/evolution/median"], name="By generation"
     )
     diversity = rrb.TimeSeriesView(origin="/evolution/diversity", name="Diversity")
-    return [rrb.BarChartView(origin="/evolution/chart", name="Best fitness", plot_legend=rrb.PlotLegend(visible=False)), fitness, diversity]
+    chart = rrb.BarChartView(origin="/evolution/chart", name="Best fitness", plot_legend=rrb.PlotLegend(visible=False))
+    return [chart, fitness, diversity]
