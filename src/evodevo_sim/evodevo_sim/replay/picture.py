@@ -104,7 +104,7 @@ def _growth_row(life: Life):
     def draw(figure, top, tall):
         _heading(figure, top, "Growth")
         size = np.max([np.subtract(*bounds(life.growth[k].position)[::-1]) for k in steps], axis=0) / 2
-        for axes, k in zip(_axes(figure, top, tall, FRAMES), steps):
+        for k, axes in zip(steps, _axes(figure, top, tall, FRAMES)):
             pose = life.growth[k]
             low, high = bounds(pose.position)
             frame(axes, (low + high) / 2 - size, (low + high) / 2 + size)
@@ -133,14 +133,15 @@ def _swim_row(life: Life):
     def draw(figure, top, tall):
         _heading(figure, top, "Swim, and the path of the centre of mass")
         steps = np.unique(np.linspace(0, len(life.time) - 1, FRAMES).astype(int))
-        for number, (axes, k) in enumerate(zip(_axes(figure, top, tall, columns, FRAMES // columns, under=0.25), steps)):
+        grid = _axes(figure, top, tall, columns, FRAMES // columns, under=0.25)
+        for number, (k, axes) in enumerate(zip(steps, grid)):
             frame(axes, low, high)
             draw_swim(axes, life, k)
-            _caption(axes, f"{life.time[k] - life.time[0]:.1f} s")
+            _caption(axes, f"{life.time[k] - life.time[0]:.3g} s")
             if number == 0:
                 for cell, colour in zip(contrasting_cells(life), (ACCENT, SECOND)):
                     axes.plot(*life.position[k, cell], "o", color=unit_rgb(colour), mec="white", mew=1, ms=6, zorder=6)
-            if number == columns - 1:
+            if number == min(columns, len(steps)) - 1:
                 scale_bar(axes, round_length(np.ptp(axes.get_xlim()) / 4))
 
     yield talls[columns], "swim", draw
@@ -154,7 +155,7 @@ def _curves_row(recording: Recording, life: Life):
         curves.append(lambda axes: _fitness(axes, recording.statistics))
 
     def draw(figure, top, tall):
-        for axes, curve in zip(_axes(figure, top, tall, len(curves), gap=0.65, left=_LEFT + 0.25), curves):
+        for curve, axes in zip(curves, _axes(figure, top, tall, len(curves), gap=0.65, left=_LEFT + 0.25)):
             curve(axes)
 
     if curves:
@@ -198,6 +199,7 @@ def _fitness(axes, statistics) -> None:
         axes.set_ylim(-0.06 * max(best), 1.08 * max(best))
     axes.axhline(0.0, color=unit_rgb(QUIET), linewidth=0.8, zorder=1)
     axes.set(title="Fitness, m", xlabel="generation")
+    axes.xaxis.get_major_locator().set_params(integer=True)
     _legend(axes)
 
 
