@@ -276,7 +276,8 @@ def test_ctrl_c_ends_the_viewer_and_leaves_nothing(bags, tmp_path):
     stand_in = "import sys; print('shown', sys.argv[-1], flush=True); import signal; signal.pause()"
     code = (
         "import subprocess, sys; from evodevo_sim.replay import cli; real = subprocess.Popen\n"
-        f"subprocess.Popen = lambda command: real([sys.executable, '-c', {stand_in!r}, command[-1]])\n"
+        f"subprocess.Popen = lambda command, env: real([sys.executable, '-c', {stand_in!r}, command[-1]], env=env)\n"
+        "subprocess.run = lambda *_, **__: None\n"
         "sys.exit(cli.main([sys.argv[1]]))"
     )
     environment = os.environ | {"DISPLAY": ":99", "TMPDIR": str(tmp_path)}
@@ -294,3 +295,15 @@ def test_ctrl_c_ends_the_viewer_and_leaves_nothing(bags, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_the_viewer_keeps_to_this_host(tmp_path, monkeypatch):
+    """A stand-in for the viewer's program writes down how it was called."""
+    import rerun_cli
+
+    program = tmp_path / "rerun"
+    program.write_text(f'#!/bin/sh\necho "$XDG_CONFIG_HOME $*" >> {tmp_path}/calls\n')
+    program.chmod(0o755)
+    monkeypatch.setattr(rerun_cli, "__file__", str(tmp_path / "__init__.py"))
+    assert viewer.show("a.rrd") == 0
+    calls = [line.split() for line in (tmp_path / "calls").read_text().splitlines()]
+    assert [call[1:] for call in calls] == [["analytics", "disable"], ["--bind", "127.0.0.1", "--port", "auto", "a.rrd"]]
+    assert calls[0][0] == calls[1][0] and not os.path.exists(calls[0][0])

@@ -20,6 +20,7 @@ examples:
 
 A recording is a directory that `evolve` or `ros2 bag record -s mcap` made, or an .mcap file; one that was cut off is shown
 as far as it goes.  An older .rrd or .png of the same name is replaced when the new one is complete; any other file is left alone.
+The viewer that replay opens sends no statistics of its use to its makers; `rerun analytics disable` turns them off for others.
 In the viewer: space plays and pauses, the timeline `generation` shows the curves of a run, dragging and scrolling move the view.
 """
 

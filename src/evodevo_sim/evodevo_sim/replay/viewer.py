@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import tempfile
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -41,18 +42,24 @@ def save(recording: Recording, life: Life, path: str) -> None:
 
 
 def show(path: str | os.PathLike) -> int:
-    """Open a Rerun file in the viewer, reachable from this host alone, and wait until it is closed.  Returns its exit code."""
+    """Open a Rerun file in the viewer and wait until it is closed.  Nothing leaves this host.  Returns its exit code."""
     import rerun_cli
 
     # The program itself: its Python wrapper would leave it running when it is ended.
     program = Path(rerun_cli.__file__).parent / "rerun"
-    viewer = subprocess.Popen([program if program.exists() else "rerun", "--bind", "127.0.0.1", "--port", "auto", path])
-    try:
-        code = viewer.wait()
-        if code:
-            print(f"replay: the viewer ended with code {code}: --no-viewer saves a file instead", file=sys.stderr)
-        return code
-    finally:
-        if viewer.poll() is None:
-            viewer.terminate()
-            viewer.wait()
+    program = str(program) if program.exists() else "rerun"
+    with tempfile.TemporaryDirectory(prefix="evodevo-") as settings:
+        homes = {"XDG_CONFIG_HOME": settings, "XDG_DATA_HOME": settings}
+        environment = {"RUST_LOG": "error"} | os.environ | homes
+        # The viewer sends statistics of its use to its makers unless its settings say not to, which this command writes.
+        subprocess.run([program, "analytics", "disable"], env=environment, capture_output=True)
+        viewer = subprocess.Popen([program, "--bind", "127.0.0.1", "--port", "auto", path], env=environment)
+        try:
+            code = viewer.wait()
+        finally:
+            if viewer.poll() is None:
+                viewer.terminate()
+                viewer.wait()
+    if code:
+        print(f"replay: the viewer ended with code {code}: --no-viewer saves a file instead", file=sys.stderr)
+    return code

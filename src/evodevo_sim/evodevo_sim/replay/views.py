@@ -10,6 +10,7 @@ from .colours import PAPER
 from .life import Life
 
 _HEIGHT = 1.1  # of the eye, per metre from the lowest to the highest that it has to see: the viewer's field of view, and a margin
+_LEAST = 4.0  # m from the lowest to the highest, that are seen of an egg
 _LANDSCAPE = 1.6  # width of the view, as far as we can know it, in heights
 
 
@@ -17,6 +18,8 @@ def blueprint(recording: Recording, life: Life) -> rrb.Blueprint:
     """The body beside curves and text.  What the recording does not hold has no view."""
     text = rrb.TextDocumentView(origin="/summary", name="Summary")
     bodies, curves, evolution = _bodies(life), _curves(life), _evolution(recording)
+    if not bodies:  # then the timeline is the one of the curves
+        evolution = evolution[1:] + evolution[:1]
     left = [rrb.Tabs(*bodies)] if bodies else []
     if curves:
         left.append(rrb.Horizontal(*curves))
@@ -41,7 +44,7 @@ def _bodies(life: Life) -> list:
     if len(life.time):
         about = (life.position - life.centre[:, None]).reshape(-1, 2)
         views.append(_from_above("Body", "/animat/centre", about))
-    views.append(_from_above("Whole path", "/animat", points))
+    views.append(_from_above("Whole path" if len(life.time) else "Growth", "/animat", points))
     return views
 
 
@@ -49,7 +52,7 @@ def _from_above(name: str, origin: str, points) -> rrb.Spatial3DView:
     """A view along -z, in which y points up (a 2D view would turn it over).  Args: points (K, 2) m that it has to hold."""
     low, high = points.min(axis=0) - 0.5, points.max(axis=0) + 0.5
     x, y = (low + high) / 2
-    height = _HEIGHT * max((high - low) / (_LANDSCAPE, 1.0))
+    height = _HEIGHT * max(_LEAST, *(high - low) / (_LANDSCAPE, 1.0))
     return rrb.Spatial3DView(
         origin=origin, contents="/animat/**", name=name, background=[*PAPER],
         line_grid=rrb.LineGrid3D(visible=False),
