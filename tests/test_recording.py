@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import recordings
 import yaml
+from evodevo_msgs.msg import GenerationStatistics
 from evodevo_sim.messages import cell_states_message
 from evodevo_sim.recording import Recorder, RecordingError, read_recording, record_performance
 from std_msgs.msg import String
@@ -79,6 +80,14 @@ def test_a_life_is_recorded_step_by_step_in_running_time(run):
 
 def test_a_single_file_is_a_recording_too(run):
     assert read_recording(run / "run_0.mcap").states == read_recording(run).states
+
+
+def test_the_files_of_a_split_recording_follow_their_numbers(tmp_path):
+    for number in (0, 2, 10):
+        with Recorder(tmp_path / f"part_{number}") as recorder:
+            recorder.write("evolution/statistics", GenerationStatistics(generation=number), number)
+        (tmp_path / f"part_{number}/part_{number}_0.mcap").rename(tmp_path / f"part_{number}.mcap")
+    assert [s.generation for s in read_recording(tmp_path).statistics] == [0, 2, 10]
 
 
 def test_topics_count_in_any_namespace_and_of_two_animats_the_first(tmp_path):

@@ -95,6 +95,13 @@ def test_of_several_lives_the_last_is_shown(tmp_path):
     assert life_of(read_recording(tmp_path / "reset")).position[:, 0, 0].tolist() == [3.0, 4.0]
 
 
+def test_states_that_blew_up_are_left_out(tmp_path):
+    with Recorder(tmp_path / "unstable") as recorder:
+        for k, x in enumerate((0.0, 1.0, np.nan, np.inf)):
+            recorder.write("cell_states", cell_states_message(np.full((2, 2), x), np.zeros((2, 2)), np.zeros(2), k, k / 60), k)
+    assert life_of(read_recording(tmp_path / "unstable")).position[:, 0, 0].tolist() == [0.0, 1.0]
+
+
 def test_bodies_that_do_not_fit_their_cells_get_one_line(bags):
     recording = read_recording(bags / "life")
     recording.body.spring_a[0] = 99

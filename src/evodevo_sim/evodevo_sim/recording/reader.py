@@ -98,7 +98,7 @@ def _files(path: Path) -> list[Path]:
         return [path]
     if not path.is_dir():
         raise RecordingError(f"{path} does not exist: {_HOW}")
-    files = sorted(path.glob("*.mcap"))
+    files = sorted(path.glob("*.mcap"), key=lambda file: (len(file.name), file.name))  # run_2 before run_10
     if not files:
         raise RecordingError(f"{path} holds no .mcap file: {_HOW}")
     return files

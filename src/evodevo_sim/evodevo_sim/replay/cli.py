@@ -7,6 +7,7 @@ import os
 import signal
 import sys
 import tempfile
+from contextlib import contextmanager
 from pathlib import Path
 
 _EPILOG = """\
@@ -81,7 +82,8 @@ def _replay(options: argparse.Namespace) -> int:
     if opens and not options.save:
         with tempfile.TemporaryDirectory(prefix="evodevo-") as directory:
             file = os.path.join(directory, f"{source.resolve().stem}.rrd")
-            viewer.save(recording, life, file)
+            with _bar("Preparing") as step:
+                viewer.save(recording, life, file, step)
             return viewer.show(file)
     if options.no_viewer and options.png and not options.save:
         return 0
@@ -89,8 +91,8 @@ def _replay(options: argparse.Namespace) -> int:
         print(f"replay: {viewer.NO_RERUN}", file=sys.stderr)
         return 0
     target = options.save or _beside(source)
-    with files.whole(target, ".rrd") as file:
-        viewer.save(recording, life, file)
+    with files.whole(target, ".rrd") as file, _bar("Saving") as step:
+        viewer.save(recording, life, file, step)
     if opens:
         return viewer.show(target)
     print(f"Saved {target}.  See it:   rerun {target}")
@@ -117,15 +119,21 @@ def _beside(source: Path) -> Path:
 
 
 def _picture(recording, life, path: Path) -> None:
-    from tqdm import tqdm
-
     from . import files
     from .picture import save_story
 
-    bar = tqdm(desc="Drawing", total=4, delay=2, unit="part", leave=False)
-    with files.whole(path, ".png") as file, bar:
-        save_story(recording, life, file, lambda part: bar.update())
+    with files.whole(path, ".png") as file, _bar("Drawing") as step:
+        save_story(recording, life, file, step)
     print(f"Saved {path}")
+
+
+@contextmanager
+def _bar(what: str, parts: int = 4):
+    """A bar on stderr once it has taken two seconds.  Yields what is to be called with the name of each part at its begin."""
+    from tqdm import tqdm
+
+    with tqdm(desc=what, total=parts, delay=2, unit="part", leave=False) as bar:
+        yield lambda part: (bar.set_postfix_str(part, refresh=False), bar.update())
 
 
 if __name__ == "__main__":

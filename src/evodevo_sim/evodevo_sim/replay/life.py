@@ -56,8 +56,8 @@ def life_of(recording: Recording) -> Life:
 
     Raises RecordingError where bodies and states do not fit each other.
     """
-    growth = _last_run(recording.growth)
-    states = _last_run(recording.states)
+    growth = _finite(_last_run(recording.growth))
+    states = _finite(_last_run(recording.states))
     body = recording.body
     cells = body.cells if body is not None else len(states[-1].activation) if states else 0
     states = [state for state in states if len(state.activation) == cells] if cells else []
@@ -88,6 +88,11 @@ def _last_run(messages: list) -> list:
     stamps = np.array([_stamp(message) for message in messages])
     back = np.flatnonzero(np.diff(stamps) < 0)
     return messages[back[-1] + 1 :] if len(back) else messages
+
+
+def _finite(states: list) -> list:
+    """Those without a number that is none, e.g. from a plant that blew up."""
+    return [s for s in states if all(np.isfinite(values).all() for values in (s.position_x, s.position_y, s.activation))]
 
 
 def _positions(state) -> np.ndarray:

@@ -24,13 +24,17 @@ _BARS = 50  # at the most, in the chart of fitness
 _GRID_LINES = 80  # at the most, in each direction
 
 
-def log_recording(stream: rr.RecordingStream, recording: Recording, life: Life) -> None:
-    """Log everything that a recording holds."""
+def log_recording(stream: rr.RecordingStream, recording: Recording, life: Life, step=lambda part: None) -> None:
+    """Log everything that a recording holds.  Args: step: called with the name of each part before it is logged."""
     stream.log("summary", rr.TextDocument(markdown(recording, life), media_type=rr.MediaType.MARKDOWN), static=True)
+    step("cells")
     _log_cells(stream, life)
+    step("springs")
     _log_springs(stream, life)
     if len(life.time):
+        step("chambers")
         _log_chambers(stream, life)
+        step("curves")
         _log_lines(stream, "animat/outline", [life.time], [life.position], [life.outline], INK, 0.045)
         _log_trail(stream, life)
         _log_curves(stream, life)

@@ -24,8 +24,8 @@ def is_installed() -> bool:
     return find_spec("rerun") is not None
 
 
-def save(recording: Recording, life: Life, path: str) -> None:
-    """Write a Rerun file.  Raises OutputError where Rerun is missing or cannot write."""
+def save(recording: Recording, life: Life, path: str, step=lambda part: None) -> None:
+    """Write a Rerun file.  Args: step: called with the name of each part before it is written.  Raises OutputError where Rerun is missing or cannot write."""
     if not is_installed():
         raise OutputError(NO_RERUN)
     import rerun
@@ -36,7 +36,7 @@ def save(recording: Recording, life: Life, path: str) -> None:
     stream = rerun.RecordingStream("evodevo")
     try:
         stream.save(path, default_blueprint=blueprint(recording, life))
-        log_recording(stream, recording, life)
+        log_recording(stream, recording, life, step)
     finally:
         stream.disconnect()
 
