@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import shlex
 import signal
 import sys
 import tempfile
@@ -67,6 +68,7 @@ def _replay(options: argparse.Namespace) -> int:
     from ..recording import read_recording
     from . import files, viewer
     from .life import life_of
+    from .summary import name_of
 
     for path, ending in ((options.save, ".rrd"), (options.png, ".png")):
         if path:
@@ -81,7 +83,7 @@ def _replay(options: argparse.Namespace) -> int:
     opens = viewer.has_display() and viewer.is_installed() and not options.no_viewer
     if opens and not options.save:
         with tempfile.TemporaryDirectory(prefix="evodevo-") as directory:
-            file = os.path.join(directory, f"{source.resolve().stem}.rrd")
+            file = os.path.join(directory, f"{name_of(source)}.rrd")
             with _bar("Preparing") as step:
                 viewer.save(recording, life, file, step)
             return viewer.show(file)
@@ -93,10 +95,8 @@ def _replay(options: argparse.Namespace) -> int:
     target = options.save or _beside(source)
     with files.whole(target, ".rrd") as file, _bar("Saving") as step:
         viewer.save(recording, life, file, step)
-    if opens:
-        return viewer.show(target)
-    print(f"Saved {target}.  See it:   rerun {target}")
-    return 0
+    print(f"Saved {target}.  See it:   rerun {shlex.quote(str(target))}", flush=True)
+    return viewer.show(target) if opens else 0
 
 
 def _newest(directory: Path) -> Path:
@@ -113,8 +113,9 @@ def _newest(directory: Path) -> Path:
 
 def _beside(source: Path) -> Path:
     """Where a Rerun file goes that the user gave no name: into the recording's directory, or else here."""
-    directory = source if source.is_dir() else source.parent
-    name = f"{source.resolve().stem}.rrd"
+    from .summary import name_of
+
+    directory, name = source if source.is_dir() else source.parent, f"{name_of(source)}.rrd"
     return directory / name if os.access(directory, os.W_OK) else Path(name)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from evodevo_msgs import msg
 
 from ..evaluation import Status
@@ -23,16 +25,18 @@ def headline(recording: Recording, life: Life) -> tuple[str, str]:
         facts.append(f"{life.distance[-1]:.2f} cell diameters in {life.time[-1] - life.time[0]:.1f} s")
     if recording.truncated:
         facts.append("the end of the recording is missing")
-    return name_of(recording), "  ·  ".join(facts)
+    return name_of(recording.path), "  ·  ".join(facts)
 
 
-def name_of(recording: Recording) -> str:
-    return recording.path.resolve().stem
+def name_of(path: Path) -> str:
+    """A recording's name: its directory's, or its file's without the ending."""
+    path = path.resolve()
+    return path.stem if path.suffix == ".mcap" else path.name
 
 
 def markdown(recording: Recording, life: Life) -> str:
     """All of it, as Markdown."""
-    parts = [f"# {name_of(recording)}"]
+    parts = [f"# {name_of(recording.path)}"]
     if recording.truncated:
         parts.append("*The end of this recording is missing; this is what was saved.*")
     if recording.champions:
