@@ -1,9 +1,10 @@
-"""Reads recordings, whole ones and those whose writer was killed."""
+"""Reads recordings, whole ones and those whose writer was killed or whose end is damaged."""
 
 from __future__ import annotations
 
 import os
 import struct
+from contextlib import nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -11,9 +12,12 @@ from evodevo_msgs import msg
 from mcap.exceptions import InvalidMagic, McapError
 from mcap.reader import NonSeekingReader
 from rclpy.serialization import deserialize_message
+from zstandard import ZstdError
 
 from .definitions import RecordingError, definition
 
+# What a missing end, or damage, can set off in the MCAP reader, decompression and ROS's deserialisation.
+_DAMAGE = (McapError, ZstdError, struct.error, RuntimeError, ValueError, KeyError, EOFError, MemoryError)
 _HOW = "give a directory that `evolve` or `ros2 bag record -s mcap` made"
 
 
@@ -22,7 +26,7 @@ class Recording:
     """The messages of a recording, in the order in which they were written; what it does not hold is None or empty.
 
     Attributes: settings: Evolution; statistics: GenerationStatistics; champions: Champion; growth and states: CellStates;
-    growth_bodies: Body, where the embryo's graph changed; body: Body; truncated: whether the end is missing.
+    growth_bodies: Body, where the embryo's graph changed; body: Body; truncated: whether the end is missing, or damaged.
     """
 
     path: Path
@@ -46,35 +50,47 @@ _LISTS = {
 _SINGLE = {"/evolution/settings": ("settings", msg.Evolution), "/body": ("body", msg.Body)}
 
 
-def read_recording(path: str | os.PathLike) -> Recording:
+def read_recording(path: str | os.PathLike, progress: bool = False) -> Recording:
     """Read a recording, as far as it goes.
 
     Topics count whatever namespace they are in; of several animats the first one is read.
 
-    Args: path: a directory with MCAP files, or one such file.  Raises RecordingError.
+    Args: path: a directory with MCAP files, or one such file; progress: whether to show a bar on stderr when it takes long.
+    Raises RecordingError.
     """
     recording = Recording(Path(path))
     wanted: dict[str, tuple[str, type, bool] | None] = {}
     for file in _files(recording.path):
         try:
-            with open(file, "rb") as stream:
-                for schema, channel, message in NonSeekingReader(stream).iter_messages(log_time_order=False):
+            with open(file, "rb") as opened, _watched(opened, file, progress) as stream:
+                for schema, channel, message in NonSeekingReader(stream, validate_crcs=True).iter_messages(log_time_order=False):
                     if channel.topic not in wanted:
                         wanted[channel.topic] = _choose(channel.topic, schema, file, wanted)
                     if wanted[channel.topic]:
                         _keep(recording, message.data, *wanted[channel.topic])
+        except RecordingError:
+            raise
         except OSError as error:
             raise RecordingError(f"{file}: {error.strerror}: {_HOW}") from None
         except InvalidMagic:
             if not wanted and not _begins_as_mcap(file):
                 raise RecordingError(f"{file} is not an MCAP file: {_HOW}") from None
             recording.truncated = True
-        except (McapError, struct.error, ValueError, KeyError, MemoryError):
+        except _DAMAGE:
             recording.truncated = True
     if not any(wanted.values()):
-        what = "was cut before its first message" if recording.truncated else "holds nothing of evodevo's"
+        what = "is cut or damaged before its first message" if recording.truncated else "holds nothing of evodevo's"
         raise RecordingError(f"{recording.path} {what}: {_HOW}")
     return recording
+
+
+def _watched(stream, file: Path, progress: bool):
+    """A context: the stream, with a bar once reading has taken two seconds."""
+    if not progress:
+        return nullcontext(stream)
+    from tqdm import tqdm
+
+    return tqdm.wrapattr(stream, "read", total=file.stat().st_size, desc=f"Reading {file.name}", delay=2, leave=False)
 
 
 def _files(path: Path) -> list[Path]:
@@ -82,7 +98,7 @@ def _files(path: Path) -> list[Path]:
         return [path]
     if not path.is_dir():
         raise RecordingError(f"{path} does not exist: {_HOW}")
-    files = sorted(path.glob("*.mcap"))
+    files = sorted(path.glob("*.mcap"), key=lambda file: (len(file.name), file.name))  # run_2 before run_10
     if not files:
         raise RecordingError(f"{path} holds no .mcap file: {_HOW}")
     return files
@@ -102,8 +118,10 @@ def _choose(topic, schema, file, wanted):
         attribute, message_type = table[ending]
         if any(choice and choice[0] == attribute for choice in wanted.values()):
             return None
-        if schema is None or schema.data.decode(errors="replace").split() != definition(f"evodevo_msgs/msg/{message_type.__name__}").split():
-            raise RecordingError(f"{file}: {topic} was recorded with other message types: replay it with the version that made it")
+        ours = definition(f"evodevo_msgs/msg/{message_type.__name__}")
+        if schema is None or schema.data.decode(errors="replace").split() != ours.split():
+            how = "replay it with the version that made it"
+            raise RecordingError(f"{file}: {topic} was recorded with other message types: {how}")
         return attribute, message_type, many
     return None
 

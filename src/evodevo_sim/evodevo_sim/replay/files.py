@@ -1,0 +1,55 @@
+"""Output files: whole or not at all, and nothing else is ever overwritten."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from contextlib import contextmanager
+from pathlib import Path
+
+BEGINS_WITH = {".rrd": b"RRF", ".png": b"\x89PNG"}
+
+
+class OutputError(RuntimeError):
+    """A file that cannot be written; the message says which, why, and what to do."""
+
+
+def check(path: Path, ending: str) -> None:
+    """Raise OutputError where `path` cannot be written, or holds anything but an older file of the same kind."""
+    if path.suffix.lower() != ending:
+        raise OutputError(f"{path}: give a name that ends in {ending}")
+    if path.is_dir():
+        raise OutputError(f"{path} is a directory: give a file name in it")
+    if not path.parent.is_dir():
+        raise OutputError(f"{path} cannot be written: make the directory {path.parent} first")
+    try:
+        begin = path.open("rb").read(4) if path.exists() else b""
+    except OSError as error:
+        raise OutputError(f"{path} cannot be replaced ({error.strerror}): choose another name") from None
+    if begin and not begin.startswith(BEGINS_WITH[ending]):
+        raise OutputError(f"{path} holds something else and is never overwritten: choose another name")
+    if not os.access(path.parent, os.W_OK):
+        raise OutputError(f"{path} cannot be written: choose another directory")
+
+
+@contextmanager
+def whole(path: Path, ending: str):
+    """The name of a temporary file that takes the place of `path` when all went well, and vanishes when not."""
+    check(path, ending)
+    try:
+        handle, name = tempfile.mkstemp(ending, f".{path.stem}-", path.parent)
+        os.close(handle)
+        try:
+            yield name
+            os.chmod(name, 0o666 & ~_mask())
+            os.replace(name, path)
+        finally:
+            Path(name).unlink(missing_ok=True)
+    except OSError as error:
+        raise OutputError(f"{path} cannot be written ({error.strerror or error}): choose another place") from None
+
+
+def _mask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask

@@ -1,0 +1,146 @@
+"""A recording's messages as arrays: what Rerun and the picture draw."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..recording import Recording, RecordingError
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """A body at one instant: position (N, 2) m; activation (N,) of e - c."""
+
+    position: np.ndarray
+    activation: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Life:
+    """Growth and swim of one animat.
+
+    Attributes:
+        growth_time (S,) s; growth: S poses; growth_springs: S arrays (E, 2) of the embryo's graph.
+        time (T,) s, running on from growth; position (T, N, 2) m; activation (T, N) of e - c.
+        springs (E, 2), outline (M, 2): cell indices; chambers: arrays of cell indices, counter-clockwise.
+    """
+
+    growth_time: np.ndarray
+    growth: list[Pose]
+    growth_springs: list[np.ndarray]
+    time: np.ndarray
+    position: np.ndarray
+    activation: np.ndarray
+    springs: np.ndarray = field(default_factory=lambda: np.empty((0, 2), int))
+    outline: np.ndarray = field(default_factory=lambda: np.empty((0, 2), int))
+    chambers: list[np.ndarray] = field(default_factory=list)
+
+    @property
+    def centre(self) -> np.ndarray:
+        """(T, 2) m, the centre of mass: all cells weigh the same."""
+        return self.position.mean(axis=1)
+
+    @property
+    def distance(self) -> np.ndarray:
+        """(T,) m, of the centre of mass from where it was at birth."""
+        return np.hypot(*(self.centre - self.centre[:1]).T)
+
+    def pose(self, step: int) -> Pose:
+        return Pose(self.position[step], self.activation[step])
+
+
+def life_of(recording: Recording) -> Life:
+    """The last life of a recording, e.g. after the last reset of a simulator; empty arrays where it holds none.
+
+    Raises RecordingError where bodies and states do not fit each other.
+    """
+    growth = _finite(_last_run(recording.growth))
+    states = _finite(_last_run(recording.states))
+    body = recording.body
+    cells = body.cells if body is not None else len(states[-1].activation) if states else 0
+    states = [state for state in states if len(state.activation) == cells] if cells else []
+    try:
+        return Life(
+            growth_time=_seconds(growth),
+            growth=[Pose(_positions(state), np.array(state.activation)) for state in growth],
+            growth_springs=_graphs(growth, recording.growth_bodies),
+            time=_seconds(states),
+            position=np.array([_positions(state) for state in states]).reshape(len(states), cells, 2),
+            activation=np.array([state.activation for state in states]).reshape(len(states), cells),
+            **({} if body is None else _parts(body)),
+        )
+    except (ValueError, IndexError):
+        raise RecordingError(f"{recording.path}: cells, springs and chambers do not fit each other: record it again") from None
+
+
+def _stamp(message) -> int:
+    return message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+
+
+def _seconds(messages) -> np.ndarray:
+    return np.array([_stamp(message) for message in messages], float) * 1e-9
+
+
+def _last_run(messages: list) -> list:
+    """The messages since time last ran back."""
+    stamps = np.array([_stamp(message) for message in messages])
+    back = np.flatnonzero(np.diff(stamps) < 0)
+    return messages[back[-1] + 1 :] if len(back) else messages
+
+
+def _finite(states: list) -> list:
+    """Those without a number that is none, e.g. from a plant that blew up."""
+    return [s for s in states if all(np.isfinite(values).all() for values in (s.position_x, s.position_y, s.activation))]
+
+
+def _positions(state) -> np.ndarray:
+    position = np.column_stack((state.position_x, state.position_y))
+    if len(position) != len(state.activation):
+        raise ValueError
+    return position
+
+
+def _springs(body) -> np.ndarray:
+    return _pairs(body.spring_a, body.spring_b, body.cells)
+
+
+def _pairs(a, b, cells: int) -> np.ndarray:
+    pairs = np.column_stack((a, b)).astype(int).reshape(-1, 2)
+    if pairs.size and pairs.max() >= cells:
+        raise IndexError
+    return pairs
+
+
+def _parts(body) -> dict:
+    starts, cells = np.array(body.chamber_start, int), np.array(body.chamber_cell, int)
+    if cells.size and cells.max() >= body.cells:
+        raise IndexError
+    chambers = [cells[first:last] for first, last in zip(starts, starts[1:])]
+    return {"springs": _springs(body), "outline": _pairs(body.outline_a, body.outline_b, body.cells), "chambers": chambers}
+
+
+def _graphs(states: list, bodies: list) -> list[np.ndarray]:
+    """The embryo's springs at each state: those of the last body before it, if they are about the same cells."""
+    bodies = _last_run(bodies)
+    springs = [_springs(body) for body in bodies]
+    latest = np.searchsorted([_stamp(body) for body in bodies], [_stamp(state) for state in states], side="right") - 1
+    none = np.empty((0, 2), int)
+    fits = [k >= 0 and bodies[k].cells == len(state.activation) for k, state in zip(latest, states)]
+    return [springs[k] if fit else none for k, fit in zip(latest, fits)]
+
+
+def contrasting_cells(life: Life) -> list[int]:
+    """Two cells whose activations differ most over the second half of the swim, among those that are active; or fewer.
+
+    They show the phase gradient of a gait, as in the paper's Fig. 5.
+    """
+    late = life.activation[len(life.time) // 2 :]
+    if not late.size:
+        return []
+    amplitude = np.ptp(late, axis=0)
+    strongest = int(amplitude.argmax())
+    active = np.flatnonzero(amplitude >= 0.5 * amplitude.max())
+    apart = np.abs(late[:, active] - late[:, [strongest]]).mean(axis=0)
+    return list(dict.fromkeys((strongest, int(active[apart.argmax()]))))

@@ -1,0 +1,83 @@
+"""Settings and champion of a recording in words."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from evodevo_msgs import msg
+
+from ..evaluation import Status
+from ..recording import Recording
+from .life import Life
+
+
+def headline(recording: Recording, life: Life) -> tuple[str, str]:
+    """Name, and one line of what the recording is."""
+    facts, settings = [], recording.settings
+    if settings is not None:
+        facts.append(f"{settings.task.name}, seed {settings.seed}")
+    if recording.statistics:
+        facts.append(f"{len(recording.statistics)} generations" + (f" of {settings.population}" if settings is not None else ""))
+    if recording.champions:
+        facts.append(f"fitness {recording.champions[-1].evaluation.fitness:.3f}")
+    if len(life.time):
+        facts.append(f"{life.position.shape[1]} cells, {len(life.chambers)} chambers")
+        facts.append(f"{life.distance[-1]:.2f} cell diameters in {life.time[-1] - life.time[0]:.1f} s")
+    if recording.truncated:
+        facts.append("the end of the recording is missing")
+    return name_of(recording.path), "  ·  ".join(facts)
+
+
+def name_of(path: Path) -> str:
+    """A recording's name: its directory's, or its file's without the ending."""
+    path = path.resolve()
+    return path.stem if path.suffix == ".mcap" else path.name
+
+
+def markdown(recording: Recording, life: Life) -> str:
+    """All of it, as Markdown."""
+    parts = [f"# {name_of(recording.path)}"]
+    if recording.truncated:
+        parts.append("*The end of this recording is missing; this is what was saved.*")
+    if recording.champions:
+        parts.append(_champion(recording.champions[-1]))
+    if len(life.time):
+        cells, seconds = life.position.shape[1], life.time[-1] - life.time[0]
+        parts.append(f"**Shown:** {cells} cells, {seconds:.1f} s, {life.distance[-1]:.3g} cell diameters from birth.")
+    if recording.statistics:
+        last = recording.statistics[-1]
+        parts.append(
+            f"**Evolution:** {len(recording.statistics)} generations, {last.evaluations} evaluations, "
+            f"best {last.best:.3f}, median {last.median:.3f}, diversity {last.diversity:.2f}."
+        )
+    parts.append("**Colours:** blue cells contract, green ones are at rest, red ones expand.")
+    if recording.settings:
+        parts.append("## Settings\n\n" + _table(_numbers(recording.settings)))
+    return "\n\n".join(parts) + "\n"
+
+
+def _champion(champion: msg.Champion) -> str:
+    evaluation, metrics = champion.evaluation, champion.evaluation.metrics
+    status = Status(evaluation.status).name if evaluation.status in list(Status) else str(evaluation.status)
+    rows = {
+        "fitness": f"{evaluation.fitness:.4g}", "generation": champion.generation, "status": evaluation.cause or status,
+        "genetic elements": len(champion.genome.kind), "cells": metrics.cells, "springs": metrics.springs,
+        "chambers": metrics.chambers, "distance, m": f"{metrics.distance:.4g}",
+        "in the second half, m": f"{metrics.distance_second_half:.4g}",
+        "activation amplitude": f"{metrics.activation_amplitude:.3g}",
+    }
+    return "## Champion\n\n" + _table(rows)
+
+
+def _numbers(message, prefix: str = "") -> dict:
+    """The fields of a message and of those in it, by dotted name."""
+    rows = {}
+    for name in message.get_fields_and_field_types():
+        value = getattr(message, name)
+        nested = hasattr(value, "get_fields_and_field_types")
+        rows |= _numbers(value, f"{prefix}{name}.") if nested else {prefix + name: value}
+    return {name: f"{value:g}" if isinstance(value, float) else value for name, value in rows.items()}
+
+
+def _table(rows: dict) -> str:
+    return "\n".join(["| | |", "|---|---|", *(f"| {name} | {value} |" for name, value in rows.items())])
