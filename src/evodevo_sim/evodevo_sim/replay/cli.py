@@ -11,6 +11,8 @@ import tempfile
 from contextlib import contextmanager
 from pathlib import Path
 
+from ..command_line import Parser
+
 _EPILOG = """\
 examples:
   ros2 run evodevo_sim replay
@@ -27,18 +29,8 @@ In the viewer: space plays and pauses, the timeline `generation` shows the curve
 """
 
 
-class _Parser(argparse.ArgumentParser):
-    def error(self, message):
-        self.exit(2, f"replay: {message} (see --help)\n")
-
-
 def _parse(arguments: list[str] | None) -> argparse.Namespace:
-    parser = _Parser(
-        prog="replay",
-        description="Show a recording: how an animat grew and swims, and how a run evolved it.",
-        epilog=_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    parser = Parser("replay", "Show a recording: how an animat grew and swims, and how a run evolved it.", _EPILOG)
     parser.add_argument("recording", nargs="?", type=Path, metavar="RECORDING", help="default: the newest one under bags/")
     parser.add_argument("--save", type=Path, metavar="FILE.rrd", help="save a Rerun file")
     parser.add_argument("--png", type=Path, metavar="FILE.png", help="save a picture, 1600 pixels wide")
