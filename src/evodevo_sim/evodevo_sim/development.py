@@ -162,7 +162,7 @@ def grow(network, development, continual, history, activations, graphs):
     position = np.zeros((limit, 2))
     axis = np.zeros((limit, 2))
     axis[0, 0] = 1.0
-    shift, share = np.empty((limit, 3)), np.empty(limit)
+    shift, share = np.empty((limit, 3)), np.empty((limit, 4))
     witness = np.zeros((limit, limit), np.int32)
     edges = np.empty((3 * limit + 1 if continual else limit * (limit - 1) // 2 + 1, 2), np.int64)
     start = np.zeros(limit + 1, np.int64)

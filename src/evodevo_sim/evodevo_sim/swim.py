@@ -83,7 +83,7 @@ def birth(genome, development, continual, material, scene, given_inputs, control
     past = embryo.past if continual else _keep_read(embryo.past, weights, units, given_inputs, network)
     life = Life(
         body, law, network, units, embryo.table, past, embryo.delay, embryo.start, embryo.neighbour, embryo.steps,
-        np.empty((network.nodes.size, cells)), np.empty(cells), np.empty(cells), np.empty(body.rest_length.size),
+        np.empty((network.nodes.size, cells)), np.empty((cells, 4)), np.empty(cells), np.empty(body.rest_length.size),
         body.position.copy(), np.zeros((cells, 2)), make_scratch(cells),
         choose_substeps(body, law, control_step) if status == OK else 0,
     )
