@@ -14,7 +14,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from ._jit import kernel
+from ._jit import kernel, lean
 from .genome import HEADER, INPUTS, MORPHOGEN, OUTPUTS, REGULATORY
 
 DIVISION, AXIS, EXPANSION, CONTRACTION = range(4)
@@ -26,7 +26,7 @@ _BLOCK = 4
 Network = namedtuple("Network", "units nodes start source weight morphogens")
 
 
-@kernel
+@lean
 def affinity(distance):
     """Affinity of a trans point for a cis point at `distance`: 10 at 0, 0 from 5 on."""
     if distance > REACH:
@@ -34,7 +34,7 @@ def affinity(distance):
     return 2.0 * (REACH - distance) / (10.0 * distance + 1.0)
 
 
-@kernel
+@lean
 def activation(a):
     """tanh(max(a, 0) / 2), defined as Lambert's continued fraction so that every machine gives the same bits.
 
@@ -144,7 +144,7 @@ def prune(weights, units, read_outputs, given_inputs):
     return Network(units, nodes, start, source[:count].copy(), weight[:count].copy(), np.flatnonzero(carried))
 
 
-@kernel
+@lean
 def regulate(network, table, drive, cells, rate):
     """One synchronous regulation step of every cell, c <- c + h (activation(A) - c).
 
@@ -170,7 +170,7 @@ def regulate(network, table, drive, cells, rate):
             c[i] += rate * (a[i] - c[i])
 
 
-@kernel
+@lean
 def unrest(network, table, drive, cells):
     """How far concentrations are from where the last `regulate` drove them, at the most: 0 at a fixed point."""
     most = 0.0
@@ -180,7 +180,7 @@ def unrest(network, table, drive, cells):
     return most
 
 
-@kernel
+@lean
 def exchange(network, table, start, neighbour, cells, share):
     """Variant B: every cell shares each morphogen equally among its graph neighbours, so the total is conserved.
 
