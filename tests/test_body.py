@@ -2,44 +2,36 @@
 
 import numpy as np
 import pytest
-from evodevo_sim.body import build_body
-from evodevo_sim.gabriel import adjacency, gabriel_graph
+from bodies import body_of
+from evodevo_sim.gabriel import gabriel_graph
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 
-def body_of(position, edges=None):
-    position = np.asarray(position, float)
-    edges = gabriel_graph(position) if edges is None else np.array(sorted(edges), np.int64)
-    start, neighbour = np.zeros(len(position) + 1, np.int64), np.empty(2 * len(edges), np.int64)
-    adjacency(edges, len(edges), len(position), start, neighbour)
-    return build_body(position, edges, start, neighbour, 2.0), edges
-
-
 def test_a_square_with_a_tail_has_one_polygon_and_the_tail_once_on_its_outline():
-    body, _ = body_of([(0, 0), (1, 0), (1, 1), (0, 1), (2, 1)], [(0, 1), (0, 3), (1, 2), (2, 3), (2, 4)])
+    body = body_of([(0, 0), (1, 0), (1, 1), (0, 1), (2, 1)], [(0, 1), (0, 3), (1, 2), (2, 3), (2, 4)])
     assert body.triangle.shape == (0, 3) and body.polygon_area.tolist() == [1.0]
     assert sorted(map(sorted, body.outline.tolist())) == [[0, 1], [0, 3], [1, 2], [2, 3], [2, 4]]
-    assert body.inverse_mass.tolist() == [0.5] * 5
+    assert body_of([(0, 0), (1, 0)], mass=2.0).inverse_mass.tolist() == [0.5] * 2
 
 
 def test_a_tail_inside_a_chamber_is_no_outline():
-    body, _ = body_of([(0, 0), (4, 0), (4, 4), (0, 4), (1, 1)], [(0, 1), (0, 3), (0, 4), (1, 2), (2, 3)])
+    body = body_of([(0, 0), (4, 0), (4, 4), (0, 4), (1, 1)], [(0, 1), (0, 3), (0, 4), (1, 2), (2, 3)])
     assert [0, 4] not in list(map(sorted, body.outline.tolist()))
     assert body.polygon_area.tolist() == [16.0]
 
 
 def test_a_chain_has_no_chamber_and_is_all_outline():
-    body, edges = body_of([(0, 0), (1, 0), (2, 0)])
+    body = body_of([(0, 0), (1, 0), (2, 0)])
     assert len(body.triangle_area) == len(body.polygon_area) == 0
-    assert len(body.outline) == len(edges) == 2
+    assert len(body.outline) == len(body.rest_length) == 2
 
 
 @settings(max_examples=60, deadline=None)
 @given(st.integers(3, 60), st.integers(0, 2**32))
 def test_euler_and_area_hold_for_random_bodies(cells, seed):
     position = np.random.default_rng(seed).uniform(-4, 4, (cells, 2))
-    body, edges = body_of(position)
+    body, edges = body_of(position), gabriel_graph(position)
     chambers = len(body.triangle_area) + len(body.polygon_area)
     assert cells - len(edges) + chambers + 1 == 2  # V - E + F of a connected planar graph
     assert (body.triangle_area > 0).all() and (body.polygon_area > 0).all()
@@ -68,7 +60,18 @@ def count_bridges(cells, edges):
 @given(st.integers(2, 40), st.integers(0, 2**32))
 def test_springs_are_the_edges_with_their_lengths(cells, seed):
     position = np.random.default_rng(seed).uniform(-4, 4, (cells, 2))
-    body, edges = body_of(position)
-    a = np.repeat(np.arange(cells), np.diff(body.spring_start.astype(int)))
-    assert np.array_equal(np.column_stack((a, body.spring_end)), edges)
+    body, edges = body_of(position), gabriel_graph(position)
+    assert np.array_equal(np.column_stack((body.spring_a, body.spring_b)), edges)
     assert body.rest_length == pytest.approx(np.linalg.norm(position[edges[:, 0]] - position[edges[:, 1]], axis=1))
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.integers(3, 40), st.integers(0, 2**32))
+def test_springs_know_the_chambers_on_both_sides_and_the_outline_its_springs(cells, seed):
+    body = body_of(np.random.default_rng(seed).uniform(-4, 4, (cells, 2)))
+    corners = body.triangle.tolist() + [p.tolist() for p in np.split(body.polygon_cell, body.polygon_start[1:-1].astype(int)) if len(p)]
+    walks = {(a, b): f for f, c in enumerate(corners) for a, b in zip(c, c[1:] + c[:1])}
+    for a, b, left, right in zip(body.spring_a, body.spring_b, body.spring_left, body.spring_right):
+        assert left == walks.get((a, b), len(corners)) and right == walks.get((b, a), len(corners))
+    edges = np.column_stack((body.spring_a, body.spring_b))[body.outline_spring]
+    assert np.array_equal(edges, np.sort(body.outline, axis=1))

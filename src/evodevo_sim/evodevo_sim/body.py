@@ -6,18 +6,19 @@ from collections import namedtuple
 
 import numpy as np
 
-from ._jit import kernel
+from ._jit import kernel, lean
 
 # Indices are unsigned 32-bit: the force loop runs a fifth faster than with signed ones.
 #   position (N, 2) m at rest; inverse_mass (N,) 1/kg
-#   spring_start (N + 1,), spring_end (E,): springs of cell i lead to spring_end[spring_start[i]:spring_start[i + 1]], all > i
-#   rest_length (E,) m at zero activation
-#   triangle (T, 3) counter-clockwise, triangle_area (T,) m^2 at rest
-#   polygon_start (P + 1,), polygon_cell, polygon_area (P,): chambers of more than three corners
-#   outline (M, 2): edges that touch the outside, each once, in the order of a walk around it
+#   spring_a, spring_b (E,): cells of every spring, a < b, ascending; rest_length (E,) m at zero activation; shortest: of them
+#   spring_left, spring_right (E,): the chambers on both sides of a spring on its way from a to b, or the number of chambers
+#   triangle (T, 3) counter-clockwise, triangle_area (T,) m^2 at rest: the first chambers
+#   polygon_start (P + 1,), polygon_cell, polygon_area (P,): the chambers of more than three corners follow
+#   outline (M, 2): edges that touch the outside, each once, in the order of a walk around it; outline_spring (M,)
 Body = namedtuple(
     "Body",
-    "position inverse_mass spring_start spring_end rest_length triangle triangle_area polygon_start polygon_cell polygon_area outline",
+    "position inverse_mass spring_a spring_b rest_length shortest spring_left spring_right triangle triangle_area polygon_start "
+    "polygon_cell polygon_area outline outline_spring",
 )
 
 
@@ -71,6 +72,19 @@ def _walk_faces(position, start, neighbour):
     return face_start[: faces + 1], corner, area[:faces]
 
 
+@lean
+def _find(edges, i, j):
+    """Index of the edge (i, j) among ascending ones."""
+    low, high = 0, edges.shape[0]
+    while low < high:
+        middle = (low + high) // 2
+        if edges[middle, 0] < i or (edges[middle, 0] == i and edges[middle, 1] < j):
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
 @kernel
 def build_body(position, edges, start, neighbour, mass):
     """Make the body of a connected planar graph.
@@ -78,16 +92,14 @@ def build_body(position, edges, start, neighbour, mass):
     Args: position (N, 2); edges (E, 2), i < j, ascending; start, neighbour: adjacency lists; mass of a cell, kg.
     """
     cells, springs = position.shape[0], edges.shape[0]
-    spring_start = np.zeros(cells + 1, np.uint32)
-    spring_end = np.empty(springs, np.uint32)
+    spring_a, spring_b = np.empty(springs, np.uint32), np.empty(springs, np.uint32)
     rest_length = np.empty(springs)
+    shortest = np.inf
     for e in range(springs):
         i, j = edges[e, 0], edges[e, 1]
-        spring_start[i + 1] += 1
-        spring_end[e] = j
+        spring_a[e], spring_b[e] = i, j
         rest_length[e] = np.sqrt((position[i, 0] - position[j, 0]) ** 2 + (position[i, 1] - position[j, 1]) ** 2)
-    for i in range(cells):
-        spring_start[i + 1] += spring_start[i]
+        shortest = min(shortest, rest_length[e])
 
     around = neighbour.copy()
     _sort_around(position, start, around)
@@ -130,23 +142,31 @@ def build_body(position, edges, start, neighbour, mass):
             polygons += 1
             polygon_start[polygons] = corners
 
-    outline = np.empty((springs, 2), np.uint32)
+    spring_left, spring_right = np.full(springs, triangles + polygons, np.uint32), np.full(springs, triangles + polygons, np.uint32)
+    outline, outline_spring = np.empty((springs, 2), np.uint32), np.empty(springs, np.uint32)
     drawn = np.zeros(springs, np.bool_)
-    count = 0
-    if faces:
-        walk = corner[face_start[outer] : face_start[outer + 1]]
-        for k in range(walk.size):
-            a, b = walk[k], walk[(k + 1) % walk.size]
-            i, j = min(a, b), max(a, b)
-            e = int(spring_start[i])
-            while spring_end[e] != j:
-                e += 1
-            if not drawn[e]:  # a dangling edge is walked twice
+    count, triangles, polygons = 0, 0, triangle_area.size
+    for f in range(faces):
+        first, last = face_start[f], face_start[f + 1]
+        chamber = triangles if last - first == 3 else polygons
+        for k in range(first, last):
+            a, b = corner[k], corner[k + 1 if k + 1 < last else first]
+            e = _find(edges, min(a, b), max(a, b))
+            if f != outer:
+                if a < b:
+                    spring_left[e] = chamber
+                else:
+                    spring_right[e] = chamber
+            elif not drawn[e]:  # a dangling edge is walked twice
                 drawn[e] = True
-                outline[count, 0] = a
-                outline[count, 1] = b
+                outline[count, 0], outline[count, 1], outline_spring[count] = a, b, e
                 count += 1
+        if f != outer:
+            if last - first == 3:
+                triangles += 1
+            else:
+                polygons += 1
     return Body(
-        position.copy(), np.full(cells, 1.0 / mass), spring_start, spring_end, rest_length, triangle, triangle_area,
-        polygon_start, polygon_cell, polygon_area, outline[:count].copy(),
+        position.copy(), np.full(cells, 1.0 / mass), spring_a, spring_b, rest_length, shortest, spring_left, spring_right,
+        triangle, triangle_area, polygon_start, polygon_cell, polygon_area, outline[:count].copy(), outline_spring[:count].copy(),
     )

@@ -6,7 +6,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from ._jit import kernel
+from ._jit import kernel, lean
 from .gabriel import adjacency, gabriel_edges
 from .genome import INPUTS, OUTPUTS
 from .regulation import AXIS, CONTRACTION, DIVISION, EXPANSION, exchange, regulate, unrest
@@ -20,7 +20,7 @@ _GOLDEN_ANGLE = 2.399963229728653
 Embryo = namedtuple("Embryo", "position table edges start neighbour steps past delay")
 
 
-@kernel
+@lean
 def maternal(table, first_input, position, cells, length):
     """Fill the clamped inputs: two maternal gradients of the position in the egg, and the constant."""
     for i in range(cells):
@@ -30,7 +30,7 @@ def maternal(table, first_input, position, cells, length):
         table[first_input + 2, i] = 1.0
 
 
-@kernel
+@lean
 def _divide(position, axis, table, units, cells, development):
     """Let every cell whose division factor is high enough divide, in order of age.  Returns the new number of cells."""
     now = cells
@@ -61,14 +61,15 @@ def _divide(position, axis, table, units, cells, development):
     return now
 
 
-@kernel
+@lean
 def _relax(position, cells, edges, count, development, shift):
     """Push overlapping neighbours apart, pull separated ones together, once.  Returns the largest move of a coordinate.
 
     A cell in a crowd of more than six takes the mean of their pushes six times, not their sum, which would overshoot.
     shift (>= cells, 3) is scratch.
     """
-    shift[:cells] = 0.0
+    for i in range(cells):
+        shift[i, 0], shift[i, 1], shift[i, 2] = 0.0, 0.0, 0.0
     for e in range(count):
         i, j = edges[e, 0], edges[e, 1]
         dx, dy = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
@@ -91,7 +92,7 @@ def _relax(position, cells, edges, count, development, shift):
     return most
 
 
-@kernel
+@lean
 def _metric_edges(position, cells, reach, edges):
     """Variant A: all pairs within `reach`.  Returns their number, at most the length of `edges`."""
     count = 0
@@ -105,7 +106,7 @@ def _metric_edges(position, cells, reach, edges):
     return count
 
 
-@kernel
+@lean
 def remember(network, table, past, step, cells):
     """Variant A: keep the morphogens of this step.  past (delays, morphogens, cells) is a ring over steps."""
     now = past[step % past.shape[0]]
@@ -114,7 +115,7 @@ def remember(network, table, past, step, cells):
             now[row, i] = table[morphogen, i]
 
 
-@kernel
+@lean
 def diffuse(network, table, past, step, delay, cells, morphogen_range):
     """Variant A: a cell perceives c(t - d/v) / (1 + d/range) of every producer at distance d, itself included.
 
@@ -130,7 +131,7 @@ def diffuse(network, table, past, step, delay, cells, morphogen_range):
             perceived[i] = total
 
 
-@kernel
+@lean
 def _measure_delays(position, cells, development, longest, delay):
     for i in range(cells):
         for j in range(cells):
@@ -162,11 +163,11 @@ def grow(network, development, continual, history, activations, graphs):
     position = np.zeros((limit, 2))
     axis = np.zeros((limit, 2))
     axis[0, 0] = 1.0
-    shift, share = np.empty((limit, 3)), np.empty(limit)
+    shift, share = np.empty((limit, 3)), np.empty((limit, 4))
     witness = np.zeros((limit, limit), np.int32)
     edges = np.empty((3 * limit + 1 if continual else limit * (limit - 1) // 2 + 1, 2), np.int64)
     start = np.zeros(limit + 1, np.int64)
-    neighbour = np.empty(2 * edges.shape[0], np.int64)
+    neighbour = np.empty(2 * edges.shape[0], np.uint32)
     longest = 1 if continual else min(int(2.0 * limit / development.morphogen_speed) + 1, 255)
     past = np.zeros((longest + 1, network.morphogens.size, 1 if continual else limit))
     delay = np.zeros((1 if continual else limit, 1 if continual else limit, 2))

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ._jit import kernel
+from ._jit import kernel, lean
 
 _TIE = 1e-12  # relative slack of the circle
 
 
-@kernel
+@lean
 def gabriel_edges(position, cells, witness, edges):
     """Fill `edges` with the pairs (i, j), i < j, of the graph in ascending order.
 
@@ -50,7 +50,7 @@ def gabriel_edges(position, cells, witness, edges):
     return count
 
 
-@kernel
+@lean
 def adjacency(edges, count, cells, start, neighbour):
     """Fill adjacency lists (CSR) of an undirected graph: start (>= cells + 1,), neighbour (>= 2 count,)."""
     for i in range(cells + 1):

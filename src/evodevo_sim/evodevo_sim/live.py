@@ -52,7 +52,7 @@ class Animat:
         self.steps = 0
         self.body = self._life.body
         self.position, self.velocity, self.activation = (
-            _read_only(array) for array in (self._life.position, self._life.velocity, self._life.muscle)
+            _read_only(array) for array in (self._life.position.T, self._life.velocity.T, self._life.muscle)
         )
 
     @property

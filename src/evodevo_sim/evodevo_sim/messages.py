@@ -77,14 +77,13 @@ def cell_states_message(position, velocity, activation, step: int, stamp: float,
 
 def body_message(body, frame: str = "world", stamp: float = 0.0) -> msg.Body:
     """The message of a `body.Body`: chambers are its triangles, then its polygons."""
-    spring_a = np.repeat(np.arange(len(body.position)), np.diff(body.spring_start))
     triangles = len(body.triangle)
     chamber_start = np.concatenate((3 * np.arange(triangles), 3 * triangles + body.polygon_start.astype(np.int64)))
     return msg.Body(
         header=Header(stamp=time_message(stamp), frame_id=frame),
         cells=len(body.position),
-        spring_a=_array("I", spring_a),
-        spring_b=_array("I", body.spring_end),
+        spring_a=_array("I", body.spring_a),
+        spring_b=_array("I", body.spring_b),
         rest_length=_array("d", body.rest_length),
         chamber_start=_array("I", chamber_start),
         chamber_cell=_array("I", np.concatenate((body.triangle.ravel(), body.polygon_cell))),

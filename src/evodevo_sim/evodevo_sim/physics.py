@@ -1,7 +1,7 @@
 """Body physics (paper sections 2.3 and 4.2): forces of springs, chambers and drag, and the integration of one control step.
 
 The one interface: `advance` carries a state (position, velocity) over a control step with rest lengths held, and says whether
-the outcome is sound.  Worlds add terms to `accelerations`; integrators stand beside `_runge_kutta`.
+the outcome is sound.  States are (2, N) here, a row of x and a row of y, which compilers turn into better code than (N, 2).  Worlds add terms to `accelerations`; integrators stand beside `_runge_kutta`.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from ._jit import kernel
+from ._jit import kernel, lean
 
 SOUND, UNSTABLE, INVERTED = range(3)
 STABLE_RK4 = 2.2  # h * (bound of the highest frequency); RK4 is stable to 2.83
@@ -20,8 +20,8 @@ _SHORTEST = 0.05  # of its rest length, that a spring may shrink to
 
 # stiffness N/m, damping N s/m, pressure N/m, drag_normal and drag_tangential kg/m^2
 Law = namedtuple("Law", "stiffness damping pressure drag_normal drag_tangential")
-# Scratch of the integrator, (N, 2) each.
-Scratch = namedtuple("Scratch", "position velocity k1 k2 k3 k4 start_position start_velocity")
+# Scratch of the integrator: states and their derivatives, (2, N) each; of the forces: edge (4, E), push (chambers + 1,).
+Scratch = namedtuple("Scratch", "position velocity k1 k2 k3 k4 start_position start_velocity edge push")
 
 
 @kernel
@@ -30,118 +30,101 @@ def make_law(material, scene):
 
 
 @kernel
-def make_scratch(cells):
+def make_scratch(body):
+    shape = (2, body.position.shape[0])
     return Scratch(
-        np.empty((cells, 2)), np.empty((cells, 2)), np.empty((cells, 2)), np.empty((cells, 2)), np.empty((cells, 2)),
-        np.empty((cells, 2)), np.empty((cells, 2)), np.empty((cells, 2)),
+        np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape),
+        np.empty(shape), np.empty((4, body.rest_length.size)), np.zeros(body.triangle_area.size + body.polygon_area.size + 1),
     )
 
 
-@kernel
+@lean
 def set_rest_lengths(body, activation, rest):
     """Equation (1): L = (1 + 0.2 (a_i + a_j)) L0 with a = e - c.  Fills rest (E,) from activation (N,)."""
-    start, end = body.spring_start, body.spring_end
-    for i in range(start.size - 1):
-        a = activation[i]
-        for e in range(start[i], start[i + 1]):
-            rest[e] = (1.0 + 0.2 * (a + activation[end[e]])) * body.rest_length[e]
+    start, end, rest_length = body.spring_a, body.spring_b, body.rest_length
+    for e in range(rest.size):
+        rest[e] = (1.0 + 0.2 * (activation[start[e]] + activation[end[e]])) * rest_length[e]
 
 
-@kernel
-def accelerations(body, law, rest, position, velocity, out):
-    """Fill out (N, 2) with the acceleration of every cell.  Terms whose coefficient is 0 are not computed."""
-    start, end = body.spring_start, body.spring_end
-    cells = start.size - 1
-    k, damping = law.stiffness, law.damping
-    for i in range(cells):
-        out[i, 0] = 0.0
-        out[i, 1] = 0.0
-    for i in range(cells):
-        x, y = position[i, 0], position[i, 1]
-        u, v = velocity[i, 0], velocity[i, 1]
-        fx, fy = 0.0, 0.0
-        for e in range(start[i], start[i + 1]):
-            j = end[e]
-            dx, dy = position[j, 0] - x, position[j, 1] - y
-            length = np.sqrt(dx * dx + dy * dy)
-            inverse = 1.0 / length
-            f = k * (length - rest[e])
-            if damping != 0.0:
-                f += damping * ((velocity[j, 0] - u) * dx + (velocity[j, 1] - v) * dy) * inverse
-            f *= inverse
-            fx += f * dx
-            fy += f * dy
-            out[j, 0] -= f * dx
-            out[j, 1] -= f * dy
-        out[i, 0] += fx
-        out[i, 1] += fy
-    if law.pressure != 0.0:
-        _add_pressure(body, law.pressure, position, out)
-    if law.drag_normal != 0.0 or law.drag_tangential != 0.0:
-        _add_drag(body.outline, law.drag_normal, law.drag_tangential, position, velocity, out)
-    inverse_mass = body.inverse_mass
-    for i in range(cells):
-        out[i, 0] *= inverse_mass[i]
-        out[i, 1] *= inverse_mass[i]
-
-
-@kernel
-def _add_pressure(body, pressure, position, out):
-    """Equation (2): c_p l (1 - S/S0) outward on every edge, half to each end; on a corner, half of that across its neighbours."""
-    triangle, area = body.triangle, body.triangle_area
-    for t in range(area.size):
-        a, b, c = triangle[t, 0], triangle[t, 1], triangle[t, 2]
-        ax, ay = position[a, 0], position[a, 1]
-        bx, by = position[b, 0], position[b, 1]
-        cx, cy = position[c, 0], position[c, 1]
-        s = 0.5 * ((bx - ax) * (cy - ay) - (cx - ax) * (by - ay))
-        q = 0.5 * pressure * (1.0 - s / area[t])
-        out[a, 0] += q * (by - cy)
-        out[a, 1] += q * (cx - bx)
-        out[b, 0] += q * (cy - ay)
-        out[b, 1] += q * (ax - cx)
-        out[c, 0] += q * (ay - by)
-        out[c, 1] += q * (bx - ax)
-    start, corner, area = body.polygon_start, body.polygon_cell, body.polygon_area
-    for p in range(area.size):
-        first, last = start[p], start[p + 1]
-        q = 0.5 * pressure * (1.0 - _polygon_area(corner[first:last], position) / area[p])
-        before, here = corner[last - 1], corner[first]
-        for k in range(first, last):
-            after = corner[k + 1] if k + 1 < last else corner[first]
-            out[here, 0] += q * (position[after, 1] - position[before, 1])
-            out[here, 1] += q * (position[before, 0] - position[after, 0])
-            before, here = here, after
-
-
-@kernel
-def _polygon_area(corner, position):
+@lean
+def _polygon_area(corner, first, last, x, y):
+    """Area of the polygon of the cells corner[first:last], counter-clockwise."""
     twice = 0.0
-    ox, oy = position[corner[0], 0], position[corner[0], 1]
-    bx, by = position[corner[1], 0] - ox, position[corner[1], 1] - oy
-    for k in range(2, corner.size):
-        cx, cy = position[corner[k], 0] - ox, position[corner[k], 1] - oy
-        twice += bx * cy - by * cx
-        bx, by = cx, cy
+    before = corner[last - 1]
+    ox, oy = x[before], y[before]
+    for k in range(first, last):
+        here = corner[k]
+        twice += (x[before] - ox) * (y[here] - oy) - (x[here] - ox) * (y[before] - oy)
+        before = here
     return 0.5 * twice
 
 
-@kernel
-def _add_drag(outline, normal, tangential, position, velocity, out):
-    """F_T = -d_T l v_T |v_T| along and F_N = -d_N l v_N |v_N| across every outline edge, half to each end (section 4.2)."""
-    for m in range(outline.shape[0]):
-        i, j = outline[m, 0], outline[m, 1]
-        dx, dy = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
-        u, v = 0.5 * (velocity[i, 0] + velocity[j, 0]), 0.5 * (velocity[i, 1] + velocity[j, 1])
-        along, across = u * dx + v * dy, v * dx - u * dy  # speeds times length
-        half = -0.5 / (dx * dx + dy * dy)
-        t = half * tangential * along * abs(along)
-        n = half * normal * across * abs(across)
-        fx, fy = t * dx - n * dy, t * dy + n * dx
-        out[i, 0] += fx
-        out[i, 1] += fy
-        out[j, 0] += fx
-        out[j, 1] += fy
+@lean
+def accelerations(body, law, rest, position, velocity, scratch, out):
+    """Fill out (2, N) with the acceleration of every cell.  Terms whose coefficient is 0 are not computed.
+
+    Every force acts along or across an edge, so it takes one walk over the edges to collect what the forces depend on, one
+    without indices for roots and divisions, and one to hand the forces to both ends.
+    """
+    x, y, u, v, ax, ay = position[0], position[1], velocity[0], velocity[1], out[0], out[1]
+    start, end, left, right, inverse_mass = body.spring_a, body.spring_b, body.spring_left, body.spring_right, body.inverse_mass
+    triangle, triangle_area, outline = body.triangle, body.triangle_area, body.outline_spring
+    polygon, corner, polygon_area = body.polygon_start, body.polygon_cell, body.polygon_area
+    dx, dy, inverse_square, pull = scratch.edge[0], scratch.edge[1], scratch.edge[2], scratch.edge[3]
+
+    # Chambers, equation (2): half of c_p (1 - S/S0), times the length across each edge, goes to each end.  Outside is 0.
+    push = scratch.push
+    if law.pressure != 0.0:
+        half = 0.5 * law.pressure
+        for t in range(triangle_area.size):
+            a, b, c = triangle[t, 0], triangle[t, 1], triangle[t, 2]
+            twice = (x[b] - x[a]) * (y[c] - y[a]) - (x[c] - x[a]) * (y[b] - y[a])
+            push[t] = half * (1.0 - 0.5 * twice / triangle_area[t])
+        for p in range(polygon_area.size):
+            s = _polygon_area(corner, polygon[p], polygon[p + 1], x, y)
+            push[triangle_area.size + p] = half * (1.0 - s / polygon_area[p])
+
+    # Springs and dampers, per length of the spring.
+    for e in range(rest.size):
+        i, j = start[e], end[e]
+        dx[e], dy[e] = x[j] - x[i], y[j] - y[i]
+        inverse_square[e] = dx[e] * dx[e] + dy[e] * dy[e]
+        pull[e] = (u[j] - u[i]) * dx[e] + (v[j] - v[i]) * dy[e]
+    for e in range(rest.size):
+        inverse = 1.0 / np.sqrt(inverse_square[e])
+        inverse_square[e] = inverse * inverse
+        pull[e] = law.stiffness * (1.0 - rest[e] * inverse) + law.damping * inverse_square[e] * pull[e]
+
+    for i in range(x.size):
+        ax[i] = 0.0
+        ay[i] = 0.0
+    for e in range(rest.size):
+        i, j = start[e], end[e]
+        across = push[right[e]] - push[left[e]]
+        fx, fy = pull[e] * dx[e], pull[e] * dy[e]
+        gx, gy = -across * dy[e], across * dx[e]
+        ax[i] += gx + fx
+        ay[i] += gy + fy
+        ax[j] += gx - fx
+        ay[j] += gy - fy
+
+    # Drag: F_T = -d_T l v_T |v_T| along and F_N = -d_N l v_N |v_N| across an outline edge, half to each end (section 4.2).
+    if law.drag_normal != 0.0 or law.drag_tangential != 0.0:
+        for m in range(outline.size):
+            e = outline[m]
+            i, j = start[e], end[e]
+            ue, ve = 0.5 * (u[i] + u[j]), 0.5 * (v[i] + v[j])
+            along, across = ue * dx[e] + ve * dy[e], ve * dx[e] - ue * dy[e]  # speeds times length
+            t = -0.5 * law.drag_tangential * inverse_square[e] * along * abs(along)
+            n = -0.5 * law.drag_normal * inverse_square[e] * across * abs(across)
+            fx, fy = t * dx[e] - n * dy[e], t * dy[e] + n * dx[e]
+            ax[i] += fx
+            ay[i] += fy
+            ax[j] += fx
+            ay[j] += fy
+    for i in range(x.size):
+        ax[i] *= inverse_mass[i]
+        ay[i] *= inverse_mass[i]
 
 
 @kernel
@@ -154,16 +137,15 @@ def frequency_bound(body, law):
     cells = body.position.shape[0]
     outer = np.zeros((cells, 3))
     chamber = np.zeros(cells)
-    start, end, p = body.spring_start, body.spring_end, body.position
-    for i in range(cells):
-        for e in range(start[i], start[i + 1]):
-            j = end[e]
-            dx, dy = p[j, 0] - p[i, 0], p[j, 1] - p[i, 1]
-            inverse = 1.0 / (dx * dx + dy * dy)
-            for c in (i, np.int64(j)):
-                outer[c, 0] += dx * dx * inverse
-                outer[c, 1] += dx * dy * inverse
-                outer[c, 2] += dy * dy * inverse
+    p = body.position
+    for e in range(body.rest_length.size):
+        i, j = body.spring_a[e], body.spring_b[e]
+        dx, dy = p[j, 0] - p[i, 0], p[j, 1] - p[i, 1]
+        inverse = 1.0 / (dx * dx + dy * dy)
+        for c in (i, j):
+            outer[c, 0] += dx * dx * inverse
+            outer[c, 1] += dx * dy * inverse
+            outer[c, 2] += dy * dy * inverse
     for t in range(body.triangle_area.size):
         _add_chamber_bound(body.triangle[t], body.triangle_area[t], p, chamber)
     for f in range(body.polygon_area.size):
@@ -179,7 +161,7 @@ def frequency_bound(body, law):
     return np.sqrt(spring_most + chamber_most)
 
 
-@kernel
+@lean
 def _add_chamber_bound(corner, area, position, chamber):
     size = corner.size
     total = 0.0
@@ -189,7 +171,7 @@ def _add_chamber_bound(corner, area, position, chamber):
         chamber[corner[k]] += _gradient(corner, k, size, position) * total / area
 
 
-@kernel
+@lean
 def _gradient(corner, k, size, position):
     a, b = corner[k - 1 if k else size - 1], corner[k + 1 if k + 1 < size else 0]
     return 0.5 * np.sqrt((position[a, 0] - position[b, 0]) ** 2 + (position[a, 1] - position[b, 1]) ** 2)
@@ -201,76 +183,75 @@ def choose_substeps(body, law, control_step):
     return max(1, int(np.ceil(control_step * frequency_bound(body, law) / STABLE_RK4)))
 
 
-@kernel
+@lean
 def _runge_kutta(body, law, rest, position, velocity, h, scratch):
     """One step of the classical fourth-order Runge-Kutta method, in place."""
     p, v, k1, k2, k3, k4 = scratch.position, scratch.velocity, scratch.k1, scratch.k2, scratch.k3, scratch.k4
-    cells = position.shape[0]
-    accelerations(body, law, rest, position, velocity, k1)
-    for i in range(cells):
-        for a in range(2):
-            p[i, a] = position[i, a] + 0.5 * h * velocity[i, a]
-            v[i, a] = velocity[i, a] + 0.5 * h * k1[i, a]
-    accelerations(body, law, rest, p, v, k2)
-    for i in range(cells):
-        for a in range(2):
-            p[i, a] = position[i, a] + 0.5 * h * (velocity[i, a] + 0.5 * h * k1[i, a])
-            v[i, a] = velocity[i, a] + 0.5 * h * k2[i, a]
-    accelerations(body, law, rest, p, v, k3)
-    for i in range(cells):
-        for a in range(2):
-            p[i, a] = position[i, a] + h * (velocity[i, a] + 0.5 * h * k2[i, a])
-            v[i, a] = velocity[i, a] + h * k3[i, a]
-    accelerations(body, law, rest, p, v, k4)
-    for i in range(cells):
-        for a in range(2):
-            position[i, a] += h * (velocity[i, a] + h / 6.0 * (k1[i, a] + k2[i, a] + k3[i, a]))
-            velocity[i, a] += h / 6.0 * (k1[i, a] + 2.0 * (k2[i, a] + k3[i, a]) + k4[i, a])
+    cells = position.shape[1]
+    accelerations(body, law, rest, position, velocity, scratch, k1)
+    for a in range(2):
+        for i in range(cells):
+            p[a, i] = position[a, i] + 0.5 * h * velocity[a, i]
+            v[a, i] = velocity[a, i] + 0.5 * h * k1[a, i]
+    accelerations(body, law, rest, p, v, scratch, k2)
+    for a in range(2):
+        for i in range(cells):
+            p[a, i] = position[a, i] + 0.5 * h * (velocity[a, i] + 0.5 * h * k1[a, i])
+            v[a, i] = velocity[a, i] + 0.5 * h * k2[a, i]
+    accelerations(body, law, rest, p, v, scratch, k3)
+    for a in range(2):
+        for i in range(cells):
+            p[a, i] = position[a, i] + h * (velocity[a, i] + 0.5 * h * k2[a, i])
+            v[a, i] = velocity[a, i] + h * k3[a, i]
+    accelerations(body, law, rest, p, v, scratch, k4)
+    for a in range(2):
+        for i in range(cells):
+            position[a, i] += h * (velocity[a, i] + h / 6.0 * (k1[a, i] + k2[a, i] + k3[a, i]))
+            velocity[a, i] += h / 6.0 * (k1[a, i] + 2.0 * (k2[a, i] + k3[a, i]) + k4[a, i])
 
 
-@kernel
+@lean
 def check(body, position, velocity, h):
     """SOUND, or what is wrong with a state after a substep of h seconds.  A NaN anywhere is UNSTABLE."""
-    start, end = body.spring_start, body.spring_end
-    shortest = np.inf
-    collapsed = False
-    for i in range(start.size - 1):
-        for e in range(start[i], start[i + 1]):
-            dx, dy = position[end[e], 0] - position[i, 0], position[end[e], 1] - position[i, 1]
-            rest = body.rest_length[e]
-            collapsed = collapsed or not dx * dx + dy * dy > (_SHORTEST * rest) ** 2
-            shortest = min(shortest, rest)
-    fastest = 0.0
-    for i in range(start.size - 1):
-        speed = velocity[i, 0] * velocity[i, 0] + velocity[i, 1] * velocity[i, 1]
-        if not speed * h * h <= (_FASTEST * shortest) ** 2:
+    x, y, u, v = position[0], position[1], velocity[0], velocity[1]
+    start, end, rest_length, triangle = body.spring_a, body.spring_b, body.rest_length, body.triangle
+    polygon, corner = body.polygon_start, body.polygon_cell
+    fastest = (_FASTEST * body.shortest / h) ** 2
+    for i in range(x.size):
+        if not u[i] * u[i] + v[i] * v[i] <= fastest:
             return UNSTABLE
-    if collapsed:
-        return INVERTED
-    triangle = body.triangle
+    for e in range(rest_length.size):
+        i, j = start[e], end[e]
+        dx, dy = x[j] - x[i], y[j] - y[i]
+        shortest = _SHORTEST * rest_length[e]
+        if not dx * dx + dy * dy > shortest * shortest:
+            return INVERTED
     for t in range(triangle.shape[0]):
         a, b, c = triangle[t, 0], triangle[t, 1], triangle[t, 2]
-        ax, ay = position[a, 0], position[a, 1]
-        if not (position[b, 0] - ax) * (position[c, 1] - ay) > (position[c, 0] - ax) * (position[b, 1] - ay):
+        if not (x[b] - x[a]) * (y[c] - y[a]) > (x[c] - x[a]) * (y[b] - y[a]):
             return INVERTED
-    for f in range(body.polygon_area.size):
-        if not _polygon_area(body.polygon_cell[body.polygon_start[f] : body.polygon_start[f + 1]], position) > 0.0:
+    for p in range(polygon.size - 1):
+        if not _polygon_area(corner, polygon[p], polygon[p + 1], x, y) > 0.0:
             return INVERTED
     return SOUND
 
 
-@kernel
+@lean
+def _copy(position, velocity, to_position, to_velocity):
+    for a in range(2):
+        for i in range(position.shape[1]):
+            to_position[a, i] = position[a, i]
+            to_velocity[a, i] = velocity[a, i]
+
+
+@lean
 def advance(body, law, rest, position, velocity, control_step, substeps, scratch):
     """Carry a state over one control step, in place; where that fails, again with twice the substeps, at most three times.
 
     Returns: SOUND, or what was wrong with the finest try.
     """
-    before_p, before_v = scratch.start_position, scratch.start_velocity
-    cells = position.shape[0]
-    for i in range(cells):
-        for a in range(2):
-            before_p[i, a] = position[i, a]
-            before_v[i, a] = velocity[i, a]
+    start_position, start_velocity = scratch.start_position, scratch.start_velocity
+    _copy(position, velocity, start_position, start_velocity)
     outcome = SOUND
     for doubling in range(MOST_DOUBLINGS + 1):
         steps = substeps << doubling
@@ -281,10 +262,7 @@ def advance(body, law, rest, position, velocity, control_step, substeps, scratch
         if outcome == SOUND:
             break
         if doubling < MOST_DOUBLINGS:
-            for i in range(cells):
-                for a in range(2):
-                    position[i, a] = before_p[i, a]
-                    velocity[i, a] = before_v[i, a]
+            _copy(start_position, start_velocity, position, velocity)
     return outcome
 
 
@@ -299,29 +277,29 @@ def settle(body, law, rest, position, velocity, tolerance, limit, scratch):
     """
     alone = Law(law.stiffness, 0.0, law.pressure, 0.0, 0.0)
     h = 1.0 / frequency_bound(body, alone)
-    a = scratch.k1
-    cells = position.shape[0]
+    acceleration = scratch.k1
     velocity[:] = 0.0
     before = 0.0
     for step in range(limit):
-        accelerations(body, alone, rest, position, velocity, a)
+        accelerations(body, alone, rest, position, velocity, scratch, acceleration)
         largest = 0.0
-        for i in range(cells):
-            largest = max(largest, abs(a[i, 0]), abs(a[i, 1]))
+        for a in range(2):
+            for i in range(position.shape[1]):
+                largest = max(largest, abs(acceleration[a, i]))
         if not largest > tolerance:
             velocity[:] = 0.0
             return step
         energy = 0.0
-        for i in range(cells):
-            for axis in range(2):
-                velocity[i, axis] += h * a[i, axis]
-                energy += velocity[i, axis] * velocity[i, axis] / body.inverse_mass[i]
+        for a in range(2):
+            for i in range(position.shape[1]):
+                velocity[a, i] += h * acceleration[a, i]
+                energy += velocity[a, i] * velocity[a, i] / body.inverse_mass[i]
         if energy < before:
             velocity[:] = 0.0
             energy = 0.0
         before = energy
-        for i in range(cells):
-            position[i, 0] += h * velocity[i, 0]
-            position[i, 1] += h * velocity[i, 1]
+        for a in range(2):
+            for i in range(position.shape[1]):
+                position[a, i] += h * velocity[a, i]
     velocity[:] = 0.0
     return limit

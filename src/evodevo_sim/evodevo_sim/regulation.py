@@ -14,17 +14,19 @@ from collections import namedtuple
 
 import numpy as np
 
-from ._jit import kernel
+from ._jit import kernel, lean
 from .genome import HEADER, INPUTS, MORPHOGEN, OUTPUTS, REGULATORY
 
 DIVISION, AXIS, EXPANSION, CONTRACTION = range(4)
 REACH = 5.0  # affinity is 0 beyond this distance
+_BLOCK = 4
 
-# `nodes` are the table rows to integrate; row r of the table feeds node n by `weight[start[n]:start[n+1]]` from `source`.
+# `nodes` are the table rows to integrate; node n sums `weight` times table row `source` over [start[n], start[n + 1]), which is
+# filled up with weights of 0 to a multiple of _BLOCK: a pass over the cells takes that many at a time.
 Network = namedtuple("Network", "units nodes start source weight morphogens")
 
 
-@kernel
+@lean
 def affinity(distance):
     """Affinity of a trans point for a cis point at `distance`: 10 at 0, 0 from 5 on."""
     if distance > REACH:
@@ -32,7 +34,7 @@ def affinity(distance):
     return 2.0 * (REACH - distance) / (10.0 * distance + 1.0)
 
 
-@kernel
+@lean
 def activation(a):
     """tanh(max(a, 0) / 2), defined as Lambert's continued fraction so that every machine gives the same bits.
 
@@ -123,8 +125,8 @@ def prune(weights, units, read_outputs, given_inputs):
                         grew = True
     nodes = np.flatnonzero(needed)
     start = np.zeros(nodes.size + 1, np.int64)
-    source = np.empty(nodes.size * weights.shape[1], np.int64)
-    weight = np.empty(source.size)
+    source = np.zeros(nodes.size * (weights.shape[1] + _BLOCK), np.int64)
+    weight = np.zeros(source.size)
     carried = np.zeros(units, np.bool_)
     count = 0
     for row, node in enumerate(nodes):
@@ -137,27 +139,28 @@ def prune(weights, units, read_outputs, given_inputs):
             count += 1
             if units <= s < 2 * units:
                 carried[s - units] = True
+        count += -count % _BLOCK
         start[row + 1] = count
     return Network(units, nodes, start, source[:count].copy(), weight[:count].copy(), np.flatnonzero(carried))
 
 
-@kernel
+@lean
 def regulate(network, table, drive, cells, rate):
     """One synchronous regulation step of every cell, c <- c + h (activation(A) - c).
 
     Args: table (rows, >= cells) with perceived morphogens and inputs filled in; drive: scratch of the same width with a row
     per node, left holding activation(A); rate: h.
     """
-    nodes, start = network.nodes, network.start
+    nodes, start, source, weight = network.nodes, network.start, network.source, network.weight
     for row in range(nodes.size):
         a = drive[row]
         for i in range(cells):
             a[i] = 0.0
-        for entry in range(start[row], start[row + 1]):
-            w = network.weight[entry]
-            c = table[network.source[entry]]
+        for k in range(start[row], start[row + 1], _BLOCK):
+            w0, w1, w2, w3 = weight[k], weight[k + 1], weight[k + 2], weight[k + 3]
+            c0, c1, c2, c3 = table[source[k]], table[source[k + 1]], table[source[k + 2]], table[source[k + 3]]
             for i in range(cells):
-                a[i] += w * c[i]
+                a[i] += (w0 * c0[i] + w1 * c1[i]) + (w2 * c2[i] + w3 * c3[i])
         for i in range(cells):
             a[i] = activation(a[i])
     for row in range(nodes.size):
@@ -167,7 +170,7 @@ def regulate(network, table, drive, cells, rate):
             c[i] += rate * (a[i] - c[i])
 
 
-@kernel
+@lean
 def unrest(network, table, drive, cells):
     """How far concentrations are from where the last `regulate` drove them, at the most: 0 at a fixed point."""
     most = 0.0
@@ -177,19 +180,32 @@ def unrest(network, table, drive, cells):
     return most
 
 
-@kernel
+@lean
 def exchange(network, table, start, neighbour, cells, share):
     """Variant B: every cell shares each morphogen equally among its graph neighbours, so the total is conserved.
 
-    Args: start (cells + 1,), neighbour: adjacency lists of the graph; share (>= cells,): scratch.
+    Args: start (cells + 1,), neighbour: adjacency lists of the graph; share (>= cells, _BLOCK): scratch.
     """
-    for morphogen in network.morphogens:
-        c = table[morphogen]
-        perceived = table[network.units + OUTPUTS + morphogen]
+    morphogens = network.morphogens
+    first_perceived, last = network.units + OUTPUTS, morphogens.size - 1
+    for k in range(0, morphogens.size, _BLOCK):  # a walk through the graph takes that many; at the end, some twice
+        m0, m1, m2, m3 = morphogens[k], morphogens[min(k + 1, last)], morphogens[min(k + 2, last)], morphogens[min(k + 3, last)]
+        c0, c1, c2, c3 = table[m0], table[m1], table[m2], table[m3]
         for i in range(cells):
-            share[i] = c[i] / (start[i + 1] - start[i])
+            part = 1.0 / (start[i + 1] - start[i])
+            share[i, 0] = part * c0[i]
+            share[i, 1] = part * c1[i]
+            share[i, 2] = part * c2[i]
+            share[i, 3] = part * c3[i]
+        p0, p1, p2, p3 = (
+            table[first_perceived + m0], table[first_perceived + m1], table[first_perceived + m2], table[first_perceived + m3]
+        )
         for i in range(cells):
-            total = 0.0
-            for k in range(start[i], start[i + 1]):
-                total += share[neighbour[k]]
-            perceived[i] = total
+            t0, t1, t2, t3 = 0.0, 0.0, 0.0, 0.0
+            for n in range(start[i], start[i + 1]):
+                j = neighbour[n]
+                t0 += share[j, 0]
+                t1 += share[j, 1]
+                t2 += share[j, 2]
+                t3 += share[j, 3]
+            p0[i], p1[i], p2[i], p3[i] = t0, t1, t2, t3

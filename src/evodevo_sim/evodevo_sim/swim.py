@@ -10,7 +10,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from ._jit import kernel
+from ._jit import kernel, lean
 from .body import build_body
 from .development import REST, diffuse, grow, remember
 from .physics import INVERTED, SOUND, accelerations, advance, choose_substeps, make_law, make_scratch, set_rest_lengths, settle
@@ -25,7 +25,7 @@ _LOOK = 50  # control steps between looks at whether all rests
 # failed_step: control step at which physics failed, -1 for none; path (windows + 1, 2): the centre of mass at the ends of the
 # windows; amplitude: half of max - min of e - c in a window, mean over cells, in the window where it is least
 Swim = namedtuple("Swim", "status failed_step path amplitude substeps cells springs chambers")
-# A living animat.  Changed by `live`: position, velocity (N, 2), muscle (N,) of e - c, table, past; the rest is scratch
+# A living animat.  Changed by `live`: position, velocity (2, N), muscle (N,) of e - c, table, past; the rest is scratch
 # or stays.  born: regulation steps of growth; start, neighbour: the graph; substeps: 0 where there is no body to move.
 Life = namedtuple(
     "Life",
@@ -33,24 +33,25 @@ Life = namedtuple(
 )
 
 
-@kernel
+@lean
 def centre_of_mass(position, inverse_mass):
+    """(x, y) of cells at position (2, N)."""
     x, y, total = 0.0, 0.0, 0.0
-    for i in range(position.shape[0]):
+    for i in range(position.shape[1]):
         m = 1.0 / inverse_mass[i]
-        x += m * position[i, 0]
-        y += m * position[i, 1]
+        x += m * position[0, i]
+        y += m * position[1, i]
         total += m
     return x / total, y / total
 
 
-@kernel
+@lean
 def _rests(body, law, rest, position, velocity, scratch):
-    accelerations(body, law, rest, position, velocity, scratch.k1)
+    accelerations(body, law, rest, position, velocity, scratch, scratch.k1)
     most = 0.0
-    for i in range(position.shape[0]):
-        for a in range(2):
-            most = max(most, abs(velocity[i, a]), abs(scratch.k1[i, a]))
+    for a in range(2):
+        for i in range(position.shape[1]):
+            most = max(most, abs(velocity[a, i]), abs(scratch.k1[a, i]))
     return most < _STILL
 
 
@@ -83,8 +84,8 @@ def birth(genome, development, continual, material, scene, given_inputs, control
     past = embryo.past if continual else _keep_read(embryo.past, weights, units, given_inputs, network)
     life = Life(
         body, law, network, units, embryo.table, past, embryo.delay, embryo.start, embryo.neighbour, embryo.steps,
-        np.empty((network.nodes.size, cells)), np.empty(cells), np.empty(cells), np.empty(body.rest_length.size),
-        body.position.copy(), np.zeros((cells, 2)), make_scratch(cells),
+        np.empty((network.nodes.size, cells)), np.empty((cells, 4)), np.empty(cells), np.empty(body.rest_length.size),
+        body.position.T.copy(), np.zeros((2, cells)), make_scratch(body),
         choose_substeps(body, law, control_step) if status == OK else 0,
     )
     if status == OK:
@@ -95,7 +96,15 @@ def birth(genome, development, continual, material, scene, given_inputs, control
     return status, life
 
 
-@kernel
+@lean
+def _keep(life, track, traces):
+    for i in range(life.muscle.size):
+        track[i, 0], track[i, 1] = life.position[0, i], life.position[1, i]
+        track[i, 2], track[i, 3] = life.velocity[0, i], life.velocity[1, i]
+        traces[i] = life.muscle[i]
+
+
+@lean
 def live(life, step, until, seconds, development, continual, range_of_muscle, track, traces):
     """Live from one control step to another, in place: each is one regulation step, then the body for as many seconds.
 
@@ -111,9 +120,7 @@ def live(life, step, until, seconds, development, continual, range_of_muscle, tr
     e, c = table[life.units + EXPANSION], table[life.units + CONTRACTION]
     while step < until:
         if track.size:
-            track[step, :cells, :2] = position
-            track[step, :cells, 2:] = velocity
-            traces[step, :cells] = muscle
+            _keep(life, track[step], traces[step])
         if continual:
             exchange(network, table, start, neighbour, cells, share)
         else:
@@ -129,9 +136,10 @@ def live(life, step, until, seconds, development, continual, range_of_muscle, tr
             return (INVERTED_CHAMBER if outcome == INVERTED else UNSTABLE_PHYSICS), step
         step += 1
         if range_of_muscle.size:
+            least, most = range_of_muscle[0], range_of_muscle[1]
             for i in range(cells):
-                range_of_muscle[0, i] = min(range_of_muscle[0, i], muscle[i])
-                range_of_muscle[1, i] = max(range_of_muscle[1, i], muscle[i])
+                least[i] = muscle[i] if muscle[i] < least[i] else least[i]
+                most[i] = muscle[i] if muscle[i] > most[i] else most[i]
         if continual and step % _LOOK == 0 and unrest(network, table, drive, cells) < REST:
             if _rests(body, law, rest, position, velocity, scratch):
                 return RESTING, step
@@ -176,9 +184,7 @@ def swim(genome, task, development, continual, material, scene, given_inputs, tr
         amplitude = min(amplitude, total / cells)
     if track.size:
         for later in range(step, task.control_steps + 1):
-            track[later, :cells, :2] = position
-            track[later, :cells, 2:] = life.velocity
-            traces[later, :cells] = muscle
+            _keep(life, track[later], traces[later])
     failed_step = step if status == UNSTABLE_PHYSICS or status == INVERTED_CHAMBER else -1
     return Swim(status, failed_step, path, amplitude, life.substeps, cells, springs, chambers)
 

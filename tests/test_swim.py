@@ -1,0 +1,120 @@
+"""The swimming task: pure, from rest, and scored so that only sustained motion pays."""
+
+import dataclasses
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+from evodevo_sim import Development, Scene, Task, evaluate, perform, random_genome
+from evodevo_sim.evaluation import Status, _arguments
+from evodevo_sim.physics import SOUND, advance, set_rest_lengths
+from evodevo_sim.swim import birth, develop
+from genomes import dividing, first_viable, hand_made
+
+TASK = Task(development=Development(max_cells=16), control_steps=400)
+
+
+def beating():
+    """One of the few random genomes that oscillate; it grows to its limit of cells."""
+    return random_genome(np.random.default_rng(4861))
+
+
+@pytest.fixture(scope="module")
+def swimmer():
+    genome = beating()
+    return genome, perform(genome, TASK)
+
+
+def test_evaluation_gives_the_same_bits_every_time_and_in_threads(swimmer):
+    genome, performance = swimmer
+    with ThreadPoolExecutor(2) as pool:
+        both = list(pool.map(lambda _: evaluate(genome, TASK), range(4)))
+    assert all(e == evaluate(genome, TASK) for e in both)
+    assert performance.evaluation == both[0]
+
+
+@pytest.mark.parametrize("variant", ["continual_graph", "graph_at_end"])
+def test_a_performance_is_the_evaluation_bit_for_bit(variant):
+    task = dataclasses.replace(TASK, development=dataclasses.replace(TASK.development, variant=variant))
+    for genome in first_viable(2) + [dividing(), hand_made()]:
+        assert perform(genome, task).evaluation == evaluate(genome, task)
+
+
+def test_a_swimmer_beats_from_rest_and_goes_somewhere(swimmer):
+    _, performance = swimmer
+    evaluation = performance.evaluation
+    assert evaluation.status == Status.OK and evaluation.metrics.cells == 16
+    assert not performance.velocity[0].any()
+    assert performance.position[0].mean(axis=0) == pytest.approx(performance.body.position.mean(axis=0), abs=1e-9)
+    assert evaluation.metrics.activation_amplitude > 0.02 and evaluation.metrics.distance > 1e-3 and evaluation.fitness > 0
+    # In the shape that its muscles hold: it starts at no more than the tolerance of rest, unlike at zero activation.
+    first = np.linalg.norm(performance.velocity[1], axis=1).max()
+    assert first < 0.05
+
+
+def test_metrics_are_those_of_the_track(swimmer):
+    _, performance = swimmer
+    metrics = performance.evaluation.metrics
+    centre = performance.position.mean(axis=1)  # all cells weigh the same
+    quarters = centre[:: TASK.control_steps // TASK.windows]
+
+    def between(a, b):
+        return np.linalg.norm(b - a)
+
+    assert metrics.distance == pytest.approx(between(centre[0], centre[-1]), abs=1e-9)
+    assert metrics.distance_second_half == pytest.approx(between(centre[200], centre[-1]), abs=1e-9)
+    assert metrics.slowest_window == pytest.approx(min(map(between, quarters[:-1], quarters[1:])), abs=1e-9)
+    windows = performance.activation[1:].reshape(TASK.windows, -1, metrics.cells)
+    assert metrics.activation_amplitude == pytest.approx((np.ptp(windows, axis=1) / 2).mean(axis=1).min(), abs=1e-9)
+    body = performance.body
+    assert (metrics.springs, metrics.chambers) == (len(body.rest_length), len(body.triangle_area) + len(body.polygon_area))
+    assert performance.time[-1] == pytest.approx(TASK.control_steps * TASK.control_step)
+
+
+def test_a_network_at_rest_moves_nothing_and_earns_nothing():
+    evaluation = evaluate(dividing(), TASK)
+    assert evaluation.status == Status.RESTING
+    assert evaluation.fitness == pytest.approx(0, abs=1e-9) and evaluation.metrics.activation_amplitude < 1e-9
+    performance = perform(dividing(), TASK)
+    assert performance.position[-1] == pytest.approx(performance.position[0], abs=1e-3)  # resting ends the run, not the track
+    assert np.isfinite(performance.position).all()
+
+
+def test_what_cannot_swim_says_so_and_scores_below_standing_still():
+    lone, pair = evaluate(hand_made(), TASK), evaluate(dividing(), dataclasses.replace(TASK, development=Development(max_cells=2)))
+    assert lone.status == Status.NO_GROWTH and lone.metrics.cells == 1
+    assert pair.status == Status.NO_CHAMBER and pair.metrics.cells == 2 and pair.metrics.chambers == 0
+    assert lone.fitness < pair.fitness < 0 and lone.cause and pair.cause
+    assert lone.metrics.distance == pair.metrics.distance == 0
+
+
+def test_a_genome_that_never_divides_ends_when_its_network_rests():
+    task = Task()
+    genome = hand_made({"constant": (1, 0.0, 0.0), "expansion": (1, 0.0, 0.0)})
+    genome, _, development, continual, _, _, given = _arguments(genome, task)
+    nothing = np.empty((0, 0, 0)), np.empty((0, 0)), np.empty((0, 0, 0), np.int64)
+    _, _, embryo = develop(genome, development, continual, given, *nothing)
+    assert len(embryo.position) == 1 and embryo.steps < task.development.steps // 2
+
+
+@pytest.mark.parametrize("scene", [Scene(drag_normal=0.0, drag_tangential=0.0), Scene()])
+def test_without_drag_no_swimmer_gets_anywhere(scene):
+    evaluation = evaluate(beating(), dataclasses.replace(TASK, scene=scene))
+    if scene.drag_normal:
+        assert evaluation.metrics.distance > 1e-3
+    else:
+        assert evaluation.metrics.distance < 1e-9
+
+
+def test_cells_stay_within_half_a_percent_of_a_diameter_of_a_run_with_eight_times_finer_steps():
+    """One thousand control steps; the muscles are those of the network, and do not depend on the physics."""
+    genome, _, development, continual, material, scene, given = _arguments(beating(), Task())
+    steps, control_step = 1000, Task().control_step
+    performance = perform(beating(), Task(control_steps=steps))
+    _, life = birth(genome, development, continual, material, scene, given, control_step)
+    position, velocity = life.position.copy(), life.velocity.copy()
+    for activation in performance.activation[1:]:
+        set_rest_lengths(life.body, np.ascontiguousarray(activation), life.rest)
+        assert advance(life.body, life.law, life.rest, position, velocity, control_step, 8 * life.substeps, life.scratch) == SOUND
+    error = performance.position[-1] - position.T
+    assert np.sqrt((error**2).sum(axis=1).mean()) < 5e-3
