@@ -25,7 +25,7 @@ class Settings(Checked):
     generations: int = parameter(50, 1, 1_000_000_000, "", "to run at the most")
     patience: int = parameter(500, 1, 1_000_000_000, "", "generations without improvement that end a run")
     elite: int = parameter(2, 1, 1_000_000, "", "best individuals that live on unchanged")
-    tournament: int = parameter(2, 1, 1_000_000, "", "individuals drawn to choose a parent")
+    tournament: int = parameter(4, 1, 1_000_000, "", "individuals drawn to choose a parent")
     crossover: float = parameter(0.2, 0.0, 1.0, "", "share of the children that have two parents")
     point_mutation: float = parameter(0.03, 0.0, 1.0, "", "probability that an element's point moves")
     point_scale: float = parameter(1.0, 0.0, 1e3, "", "standard deviation of the length of that move")
@@ -33,8 +33,8 @@ class Settings(Checked):
     deletion: float = parameter(0.05, 0.0, 1.0, "", "probability per child")
     run_length: float = parameter(2.6, 1.0, 1e3, "", "mean elements in a duplicated or deleted run")
     flip: float = parameter(0.005, 0.0, 1.0, "", "probability per element of a change of sign, or of a gene's kind")
-    units: int = parameter(12, 0, 10_000, "", "regulatory units in a random genome")
-    extent: float = parameter(2.0, 0.0, 1e3, "", "half side of the square of a random genome's points")
+    units: int = parameter(20, 0, 10_000, "", "regulatory units in a random genome")
+    extent: float = parameter(1.0, 0.0, 1e3, "", "half side of the square of a random genome's points")
 
     def __post_init__(self):
         super().__post_init__()

@@ -126,8 +126,7 @@ def _score(result, task: Task) -> Evaluation:
             cause += f", at control step {result.failed_step}"
         return Evaluation(fitness, status, cause, metrics)
     # Motion counts only as far as muscles move it, to the end: creeping and coasting with a network at rest earn nothing.
-    active = min(1.0, metrics.activation_amplitude / task.full_activity)
-    fitness = active * (task.windows * metrics.slowest_window + task.activity_bonus)
+    fitness = result.active * (task.windows * metrics.slowest_window + task.activity_bonus)
     return Evaluation(fitness, status, "", metrics)
 
 

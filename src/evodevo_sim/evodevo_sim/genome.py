@@ -87,7 +87,7 @@ def _check(kind, sign, x, y):
             raise GenomeError(f"genome: element {np.flatnonzero(bad)[0]}: {what}")
 
 
-def random_genome(rng: np.random.Generator, units: int = 12, extent: float = 2.0) -> Genome:
+def random_genome(rng: np.random.Generator, units: int = 20, extent: float = 1.0) -> Genome:
     """A random genome: `units` regulatory units of 1-2 regulatory elements and 1-2 genes, points uniform in [-extent, extent]^2."""
     kind = [SPECIAL] * HEADER
     for _ in range(units):

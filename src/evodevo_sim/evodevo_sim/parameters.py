@@ -57,12 +57,12 @@ class Development(Checked):
     variant: str = "continual_graph"
     max_cells: int = parameter(32, 1, 4096, "", "hard limit on cells")
     steps: int = parameter(400, 1, 100_000, "", "regulation steps of growth")
-    regulation_rate: float = parameter(0.1, 1e-6, 1.0, "", "share of the way to its target that a concentration goes in a step")
+    regulation_rate: float = parameter(0.3, 1e-6, 1.0, "", "share of the way to its target that a concentration goes in a step")
     division_threshold: float = parameter(0.5, 0.01, 1.0, "", "division factor above which a cell divides")
-    division_turn: float = parameter(math.pi / 2, -math.pi, math.pi, "rad", "turn of the axis at each division")
+    division_turn: float = parameter(0.1, -math.pi, math.pi, "rad", "turn of the axis at each division")
     axis_turn: float = parameter(math.pi, -math.tau, math.tau, "rad", "further turn for a full axis factor")
     maternal_length: float = parameter(4.0, 1e-3, 1e6, "m", "distance over which a maternal signal goes from 1/2 to 3/4")
-    relaxations: int = parameter(2, 1, 100, "", "mechanical relaxations in a regulation step")
+    relaxations: int = parameter(6, 1, 100, "", "mechanical relaxations in a regulation step")
     repulsion: float = parameter(0.3, 0.0, 0.5, "", "share of an overlap undone in one relaxation")
     adhesion: float = parameter(0.1, 0.0, 0.5, "", "share of a gap closed in one relaxation")
     adhesion_range: float = parameter(1.5, 1.0, 100.0, "m", "variant B: distance beyond which neighbours do not hold each other")
@@ -90,8 +90,8 @@ class Material(Checked):
 class Scene(Checked):
     """The world around the body.  A coefficient of 0 removes its term from the physics."""
 
-    drag_normal: float = parameter(100.0, 0.0, 1e6, "kg/m^2", "drag across an outline edge, d_N")
-    drag_tangential: float = parameter(0.5, 0.0, 1e6, "kg/m^2", "drag along an outline edge, d_T")
+    drag_normal: float = parameter(40.0, 0.0, 1e6, "kg/m^2", "drag across an outline edge, d_N")
+    drag_tangential: float = parameter(0.2, 0.0, 1e6, "kg/m^2", "drag along an outline edge, d_T")
 
 
 @dataclass(frozen=True)
@@ -105,8 +105,8 @@ class Task(Checked):
     control_steps: int = parameter(2000, 1, 10_000_000, "", "of locomotion, one regulation step each")
     control_step: float = parameter(1 / 60, 1e-9, 1.0, "s", "duration of a control step")
     windows: int = parameter(4, 2, 1000, "", "equal parts of the run, an even number, of which the slowest counts")
-    full_activity: float = parameter(0.1, 1e-9, 1.0, "", "amplitude of e - c from which on motion counts in full")
-    activity_bonus: float = parameter(0.5, 0.0, 1e6, "m", "fitness for full activity of the muscles alone")
+    full_activity: float = parameter(0.1, 1e-9, 1.0, "", "amplitude of e - c from which on a cell counts as active in full")
+    activity_bonus: float = parameter(0.5, 0.0, 1e6, "m", "fitness for full activity of all cells alone")
 
     def __post_init__(self):
         super().__post_init__()

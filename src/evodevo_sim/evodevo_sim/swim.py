@@ -23,8 +23,9 @@ _STILL = 1e-7  # m/s and m/s^2 below which a body rests
 _LOOK = 50  # control steps between looks at whether all rests
 
 # failed_step: control step at which physics failed, -1 for none; path (windows + 1, 2): the centre of mass at the ends of the
-# windows; amplitude: half of max - min of e - c in a window, mean over cells, in the window where it is least
-Swim = namedtuple("Swim", "status failed_step path amplitude substeps cells springs chambers")
+# windows; amplitude: half of max - min of e - c in a window, mean over cells, in the window where it is least; active: the
+# share of the most cells that a body may have whose muscles work, one of less than full activity counted in part, likewise
+Swim = namedtuple("Swim", "status failed_step path amplitude active substeps cells springs chambers")
 # A living animat.  Changed by `live`: position, velocity (2, N), muscle (N,) of e - c, table, past; the rest is scratch
 # or stays.  born: regulation steps of growth; start, neighbour: the graph; substeps: 0 where there is no body to move.
 Life = namedtuple(
@@ -162,11 +163,11 @@ def swim(genome, task, development, continual, material, scene, given_inputs, tr
     cells, springs = muscle.size, body.rest_length.size
     chambers = body.triangle_area.size + body.polygon_area.size
     if status != OK:
-        return Swim(status, -1, path, 0.0, 0, cells, springs, chambers)
+        return Swim(status, -1, path, 0.0, 0.0, 0, cells, springs, chambers)
 
     length = task.control_steps // task.windows
     range_of_muscle = np.empty((2, cells))
-    amplitude = 2.0
+    amplitude, active = 2.0, 1.0
     path[:, 0], path[:, 1] = centre_of_mass(position, body.inverse_mass)
     step = 0
     for window in range(task.windows):
@@ -176,17 +177,20 @@ def swim(genome, task, development, continual, material, scene, given_inputs, tr
         )
         path[window + 1 :, 0], path[window + 1 :, 1] = centre_of_mass(position, body.inverse_mass)
         if status != OK:
-            amplitude = 0.0
+            amplitude, active = 0.0, 0.0
             break
-        total = 0.0
+        total, working = 0.0, 0.0
         for i in range(cells):
-            total += 0.5 * (range_of_muscle[1, i] - range_of_muscle[0, i])
+            a = 0.5 * (range_of_muscle[1, i] - range_of_muscle[0, i])
+            total += a
+            working += min(1.0, a / task.full_activity)
         amplitude = min(amplitude, total / cells)
+        active = min(active, working / development.max_cells)
     if track.size:
         for later in range(step, task.control_steps + 1):
             _keep(life, track[later], traces[later])
     failed_step = step if status == UNSTABLE_PHYSICS or status == INVERTED_CHAMBER else -1
-    return Swim(status, failed_step, path, amplitude, life.substeps, cells, springs, chambers)
+    return Swim(status, failed_step, path, amplitude, active, life.substeps, cells, springs, chambers)
 
 
 @kernel

@@ -1,0 +1,63 @@
+#!/usr/bin/env python
+"""Does a champion swim or glide?  Its second half, against how far it coasts when its muscles freeze at the half.
+
+Also the period of its muscles and how much of the swim each eighth of the run holds.
+
+    python benchmarks/coast.py bags/long/champion.yaml
+"""
+
+from __future__ import annotations
+
+import argparse
+
+import numpy as np
+from evodevo_sim import Task, load_genome, perform
+from evodevo_sim.parameters import with_settings
+from evodevo_sim.physics import SOUND, advance, choose_substeps, make_law, make_scratch, set_rest_lengths
+
+
+def coast(performance, task: Task, step: int) -> float:
+    """Distance in m from control step `step` to the end with the muscles held as they are at that step."""
+    body, law = performance.body, make_law(task.material.arguments(), task.scene.arguments())
+    position, velocity = performance.position[step].copy(), performance.velocity[step].copy()
+    rest, scratch = np.empty(body.rest_length.size), make_scratch(len(position))
+    set_rest_lengths(body, performance.activation[step], rest)
+    start, substeps = position.mean(axis=0), choose_substeps(body, law, task.control_step)
+    for _ in range(step, task.control_steps):
+        if advance(body, law, rest, position, velocity, task.control_step, substeps, scratch) != SOUND:
+            return np.nan
+    return float(np.hypot(*(position.mean(axis=0) - start)))
+
+
+def period(activation: np.ndarray) -> float:
+    """Period in control steps that holds most of the power of e - c, all cells together."""
+    power = (np.abs(np.fft.rfft(activation - activation.mean(axis=0), axis=0)) ** 2).sum(axis=1)
+    return len(activation) / (1 + int(np.argmax(power[1:])))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("genomes", nargs="+", metavar="GENOME")
+    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="of the task, e.g. scene.drag_normal=10")
+    options = parser.parse_args()
+    task = with_settings(Task(), dict(pair.partition("=")[::2] for pair in options.set))
+    half = task.control_steps // 2
+    for name in options.genomes:
+        performance = perform(load_genome(name), task)
+        m = performance.evaluation.metrics
+        if not m.chambers:
+            print(f"{name}: {performance.evaluation.cause}")
+            continue
+        centre = performance.position.mean(axis=1)
+        eighths = np.hypot(*np.diff(centre[:: task.control_steps // 8], axis=0).T)
+        long, short = np.linalg.svd(performance.body.position - performance.body.position.mean(axis=0), compute_uv=False)
+        print(
+            f"{name}: {m.distance:.2f} m, second half {m.distance_second_half:.2f} m, coasting from the half "
+            f"{coast(performance, task, half):.2f} m; {m.cells} cells, {m.chambers} chambers, long to wide {long / short:.1f}; "
+            f"amplitude {m.activation_amplitude:.2f}, period {period(performance.activation[half:]):.0f} control steps; "
+            f"eighths {' '.join(f'{e:.2f}' for e in eighths)}"
+        )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,151 @@
+#!/usr/bin/env python
+"""Evolution against random search: champions over several seeds, and the best of as many random genomes.
+
+    python benchmarks/search.py --seeds 3 --generations 50
+    python benchmarks/search.py --seeds 10 --generations 200 --no-random --set scene.drag_normal=10 --set settings.tournament=3
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import dataclasses
+import os
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+from evodevo_ga import Evolution, Settings
+from evodevo_sim import Evaluation, Task, evaluate, random_genome
+from evodevo_sim.parameters import with_settings
+from tqdm import tqdm
+
+CHUNK = 500  # random genomes drawn at a time
+COLUMNS = (
+    "search", "seed", "evaluations", "fitness", "distance", "second_half", "slowest", "amplitude", "cells", "chambers", "status",
+    "last_gain", "diversity", "chambered", "oscillating", "seconds",
+)
+
+
+def arguments(parser: argparse.ArgumentParser) -> argparse.Namespace:
+    parser.add_argument("--seeds", type=int, default=3, help="runs, of seeds FIRST, FIRST + 1, ... (default %(default)s)")
+    parser.add_argument("--first", type=int, default=1, help="first seed (default %(default)s)")
+    parser.add_argument("--generations", type=int, default=Settings().generations, help="of each run (default %(default)s)")
+    parser.add_argument("--workers", type=int, default=len(os.sched_getaffinity(0)), help="threads (default %(default)s)")
+    parser.add_argument("--no-random", action="store_true", help="evolution only")
+    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="of the task, or of evolution as settings.NAME")
+    parser.add_argument("--csv", metavar="FILE", help="append the rows to a file as well")
+    parser.add_argument("--genomes", metavar="DIR", help="keep champions there, as YAML")
+    return parser.parse_args()
+
+
+def evolve(task: Task, settings: Settings, seed: int, pool: ThreadPoolExecutor):
+    """Run evolution.  Returns: (champion, row of the table)."""
+    evolution, last_gain, began = Evolution(settings, seed), 0, time.monotonic()
+    chambered = oscillating = 0
+    with tqdm(total=settings.generations, desc=f"evolution {seed}", leave=False, mininterval=5.0) as bar:
+        while not evolution.finished:
+            found = list(pool.map(lambda genome: evaluate(genome, task, seed), evolution.ask()))
+            generation = evolution.tell(found)
+            last_gain = generation.generation if generation.improved else last_gain
+            chambered += sum(one.metrics.chambers > 0 for one in found)
+            oscillating += sum(one.metrics.activation_amplitude >= 0.1 for one in found)
+            bar.update()
+            m = evolution.champion.evaluation.metrics
+            bar.set_postfix_str(f"{m.distance_second_half:.2f} m in the second half, amplitude {m.activation_amplitude:.2f}")
+    n = evolution.evaluations
+    champion = evolution.champion
+    about = (last_gain, generation.diversity, chambered / n, oscillating / n, time.monotonic() - began)
+    return champion, row("evolution", seed, n, champion.evaluation, *about)
+
+
+def search_at_random(task: Task, settings: Settings, seed: int, budget: int, pool: ThreadPoolExecutor):
+    """Evaluate `budget` random genomes.  Returns rows: of the highest fitness, and of the longest second half."""
+    rng, began = np.random.default_rng((seed, 2**32)), time.monotonic()
+    best = longest = None
+    chambered = oscillating = 0
+    with tqdm(total=budget, desc=f"random {seed}", leave=False, mininterval=5.0) as bar:
+        for first in range(0, budget, CHUNK):
+            genomes = [random_genome(rng, settings.units, settings.extent) for _ in range(min(CHUNK, budget - first))]
+            for one in pool.map(lambda genome: evaluate(genome, task, seed), genomes):
+                if best is None or one.fitness > best.fitness:
+                    best = one
+                if longest is None or one.metrics.distance_second_half > longest.metrics.distance_second_half:
+                    longest = one
+                chambered += one.metrics.chambers > 0
+                oscillating += one.metrics.activation_amplitude >= 0.1
+                bar.update()
+    about = (0, 1.0, chambered / budget, oscillating / budget, time.monotonic() - began)
+    return row("random: fittest", seed, budget, best, *about), row("random: farthest", seed, budget, longest, *about)
+
+
+def row(search: str, seed: int, evaluations: int, e: Evaluation, last_gain, diversity, chambered, oscillating, seconds) -> dict:
+    m = e.metrics
+    values = (
+        search, seed, evaluations, e.fitness, m.distance, m.distance_second_half, m.slowest_window, m.activation_amplitude, m.cells,
+        m.chambers, e.status.name, last_gain, diversity, chambered, oscillating, seconds,
+    )
+    return dict(zip(COLUMNS, values))
+
+
+def split(pairs: list[str]) -> tuple[dict, dict]:
+    """`name=value` texts into numbers of the task and, without their prefix, those of evolution."""
+    numbers = dict(pair.partition("=")[::2] for pair in pairs)
+    whole = {field.name: type(field.default) for field in dataclasses.fields(Settings)}
+    of_settings = {name.removeprefix("settings."): value for name, value in numbers.items() if name.startswith("settings.")}
+    return (
+        {name: value for name, value in numbers.items() if not name.startswith("settings.")},
+        {name: whole[name](value) for name, value in of_settings.items()},
+    )
+
+
+def text(value) -> str:
+    return f"{value:.3g}" if isinstance(value, float) else str(value)
+
+
+def print_table(rows: list[dict]) -> None:
+    lines = [COLUMNS] + [tuple(text(one[name]) for name in COLUMNS) for one in rows]
+    widths = [max(len(line[k]) for line in lines) for k in range(len(COLUMNS))]
+    for line in lines:
+        print("  ".join(value.rjust(width) for value, width in zip(line, widths)))
+    for search in dict.fromkeys(one["search"] for one in rows):
+        halves, whole, amplitude = (
+            np.array([one[name] for one in rows if one["search"] == search]) for name in ("second_half", "distance", "amplitude")
+        )
+        print(
+            f"{search}: median {np.median(halves):.3f} m in the second half ({halves.min():.3f} to {halves.max():.3f}), "
+            f"{np.median(whole):.3f} m in all ({whole.min():.3f} to {whole.max():.3f}), amplitude {np.median(amplitude):.2f}"
+        )
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    options = arguments(parser)
+    of_task, of_settings = split(options.set)
+    task = with_settings(Task(), of_task)
+    settings = dataclasses.replace(Settings(), **{"generations": options.generations, **of_settings})
+    rows = []
+    with ThreadPoolExecutor(options.workers) as pool:
+        for seed in range(options.first, options.first + options.seeds):
+            champion, one = evolve(task, settings, seed, pool)
+            rows.append(one)
+            if options.genomes:
+                from evodevo_sim import save_genome
+
+                os.makedirs(options.genomes, exist_ok=True)
+                save_genome(os.path.join(options.genomes, f"{seed}.yaml"), champion.genome, {"seed": seed})
+            if not options.no_random:
+                rows += search_at_random(task, settings, seed, one["evaluations"], pool)
+    print(" ".join(options.set) or "defaults")
+    print_table(rows)
+    if options.csv:
+        new = not os.path.exists(options.csv)
+        with open(options.csv, "a", newline="") as file:
+            writer = csv.DictWriter(file, ("settings", *COLUMNS))
+            if new:
+                writer.writeheader()
+            writer.writerows({"settings": " ".join(options.set), **one} for one in rows)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,40 @@
+"""What pays in selection: motion in every window, as far as muscles work to the end."""
+
+import numpy as np
+import pytest
+from evodevo_sim import Development, Status, Task, evaluate
+from evodevo_sim.evaluation import _score
+from evodevo_sim.genome import TRANSCRIPTION_FACTOR
+from evodevo_sim.swim import Swim
+from genomes import FAR, dividing, hand_made, unit
+
+TASK = Task(control_steps=400, development=Development(max_cells=12))
+
+
+def ring():
+    """A ring of three units, each held down by the one before; the first drives expansion, in all cells alike."""
+    at = [(-FAR, FAR * k) for k in range(3)]
+    units = [
+        unit([(1, offset, 0.0), (-1, *at[k - 1])], [(TRANSCRIPTION_FACTOR, 1, *at[k])]) for k, offset in enumerate((0.05, 0.1, 0.15))
+    ]
+    return hand_made({"constant": (1, 0.0, 0.0), "division": (1, 0.0, 0.0), "expansion": (1, *at[0])}, units)
+
+
+def test_a_network_that_oscillates_earns_the_bonus_of_all_its_cells():
+    found = evaluate(ring(), TASK)
+    assert found.status == Status.OK and found.metrics.activation_amplitude > 0.1
+    assert found.fitness == pytest.approx(TASK.windows * found.metrics.slowest_window + TASK.activity_bonus)
+
+
+def test_a_network_at_rest_earns_nothing():
+    found = evaluate(dividing(), TASK)
+    assert found.metrics.cells == 12 and found.metrics.activation_amplitude == 0.0
+    assert found.fitness == 0.0
+
+
+def test_the_slowest_window_counts_and_only_as_far_as_muscles_work():
+    path = np.array([[0.0, 0.0], [9.0, 0.0], [10.0, 0.0], [13.0, 0.0], [15.0, 0.0]])
+    for active in (0.0, 0.25, 1.0):
+        found = _score(Swim(0, -1, path, 0.3, active, 1, 12, 20, 9), Task())
+        assert found.fitness == pytest.approx(active * (4 * 1.0 + Task().activity_bonus))
+        assert (found.metrics.distance, found.metrics.distance_second_half, found.metrics.slowest_window) == (15.0, 5.0, 1.0)
