@@ -23,7 +23,7 @@ _KEEP_DAYS = 7.0
 def kernel_sources() -> list[Path]:
     """The files that compiled kernels depend on, in a fixed order; `parameters.py` among them, which makes argument types."""
     text = {path.stem: path.read_text(encoding="utf-8") for path in _ROOT.glob("*.py")}
-    wanted = {name for name in text if "\n@kernel\n" in text[name]} | {"parameters"}
+    wanted = {name for name in text if re.search("^@(kernel|lean)$", text[name], re.MULTILINE)} | {"parameters"}
     queue = list(wanted)
     while queue:
         for name in re.findall(r"^from \.(\w+) import", text[queue.pop()], re.MULTILINE):
