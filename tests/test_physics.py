@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from bodies import LAW, POLYGON_EDGES, POLYGONS, SQUARE, accelerations_of, body_of, random_body, state_of
 from evodevo_sim.physics import (
-    ACCURATE_RK4, INVERTED, MOST_DOUBLINGS, SOUND, UNSTABLE, Law, advance, choose_substeps, frequency_bound, make_scratch, settle,
+    ACCURATE_RK4, INVERTED, MOST_DOUBLINGS, SOUND, UNSTABLE, Law, accelerations, advance, choose_substeps, frequency_bound,
+    make_scratch, settle,
 )
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -116,6 +117,16 @@ def test_a_term_without_coefficient_is_not_computed():
     no_drag = accelerations_of(body, LAW._replace(drag_normal=0.0, drag_tangential=0.0), position, velocity, rest)
     no_outline = body._replace(outline_spring=np.empty(0, np.uint32))
     assert np.array_equal(no_drag, accelerations_of(no_outline, LAW, position, velocity, rest))
+
+
+def test_scratch_carries_nothing_from_one_law_to_the_next():
+    rng = np.random.default_rng(2)
+    body = random_body(rng, 20)
+    position, velocity, rest = state_of(body, rng, 0.1, 2.0)
+    scratch, out = make_scratch(body), np.empty(position.shape)
+    for law in (LAW, LAW._replace(pressure=0.0), LAW):
+        accelerations(body, law, rest, position, velocity, scratch, out)
+        assert np.array_equal(out, accelerations_of(body, law, position, velocity, rest))
 
 
 def run(body, law, state, seconds, steps, substeps=1):

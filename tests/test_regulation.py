@@ -11,14 +11,16 @@ from hypothesis import strategies as st
 ALL_OUTPUTS, ALL_INPUTS = np.ones(OUTPUTS, bool), np.ones(INPUTS, bool)
 
 
+@settings(deadline=None)  # the first example compiles
 @given(st.floats(0, 20))
 def test_affinity_is_the_law(distance):
     assert affinity(distance) == pytest.approx(2 * (5 - distance) / (10 * distance + 1) if distance <= 5 else 0.0, abs=1e-15)
 
 
+@settings(deadline=None)
 @given(st.floats(-1e6, 1e6))
 def test_activation_is_half_a_hyperbolic_tangent(a):
-    assert activation(a) == pytest.approx(np.tanh(max(a, 0.0) / 2), abs=5e-7)
+    assert activation(a) == pytest.approx(np.tanh(max(a, 0.0) / 2), abs=7e-6)
     assert 0.0 <= activation(a) <= 1.0
 
 
@@ -72,7 +74,7 @@ def test_a_step_is_the_law_and_stays_in_range(genome, cells, seed):
     for node in range(units + OUTPUTS):
         expected = before[node] + 0.1 * (np.tanh(np.maximum(weights[node] @ sources, 0) / 2) - before[node])
         if node in network.nodes:
-            assert table[node] == pytest.approx(expected, abs=1e-6)
+            assert table[node] == pytest.approx(expected, abs=1e-6)  # h = 0.1 of the activation's 7e-6
         else:
             assert np.array_equal(table[node], before[node])
     assert np.all((table[: units + OUTPUTS] >= 0) & (table[: units + OUTPUTS] <= 1))
@@ -88,7 +90,7 @@ def test_pruning_changes_no_read_output_by_one_bit(genome, seed):
         network = prune(weights, units, mask, ALL_INPUTS)
         table = table_of(units, 3, np.random.default_rng(seed))
         for _ in range(30):
-            exchange(network, table, np.array([0, 1, 3, 4]), np.array([1, 0, 2, 1]), 3, np.empty(3))
+            exchange(network, table, np.array([0, 1, 3, 4]), np.array([1, 0, 2, 1]), 3, np.empty((3, 4)))
             regulate(network, table, np.empty((network.nodes.size, 3)), 3, 0.1)
         outputs.append(table[units + 2 : units + 4])
     assert np.array_equal(*outputs)
@@ -106,5 +108,5 @@ def test_exchange_conserves_every_morphogen(cells, seed):
     neighbours = [sorted(set(row)) for row in ring.tolist()]
     start = np.cumsum([0] + [len(n) for n in neighbours])
     table = table_of(1, cells, rng)
-    exchange(network, table, start, np.concatenate(neighbours), cells, np.empty(cells))
+    exchange(network, table, start, np.concatenate(neighbours), cells, np.empty((cells, 4)))
     assert table[1 + OUTPUTS].sum() == pytest.approx(table[0].sum(), rel=1e-14)

@@ -63,7 +63,7 @@ def _polygon_area(corner, first, last, x, y):
 
 @lean
 def accelerations(body, law, rest, position, velocity, scratch, out):
-    """Fill out (2, N) with the acceleration of every cell.  Terms whose coefficient is 0 are not computed.
+    """Fill out (2, N) with the acceleration of every cell.  Chambers and drag are not computed where their coefficients are 0.
 
     Every force acts along or across an edge, so it takes one walk over the edges to collect what the forces depend on, one
     without indices for roots and divisions, and one to hand the forces to both ends.
@@ -85,6 +85,9 @@ def accelerations(body, law, rest, position, velocity, scratch, out):
         for p in range(polygon_area.size):
             s = _polygon_area(corner, polygon[p], polygon[p + 1], x, y)
             push[triangle_area.size + p] = half * (1.0 - s / polygon_area[p])
+    else:
+        for c in range(push.size):
+            push[c] = 0.0
 
     # Springs and dampers, per length of the spring.
     for e in range(rest.size):

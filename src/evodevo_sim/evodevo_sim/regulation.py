@@ -38,7 +38,7 @@ def affinity(distance):
 def activation(a):
     """tanh(max(a, 0) / 2), defined as Lambert's continued fraction so that every machine gives the same bits.
 
-    Within 4e-7 of tanh everywhere, and never above 1.
+    Within 7e-6 of tanh everywhere (at a = 12.6; within 4e-7 up to 9), and never above 1.
     """
     x = 0.5 * a
     x = x if x > 0.0 else 0.0
