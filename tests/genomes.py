@@ -2,7 +2,7 @@
 
 import numpy as np
 from evodevo_sim import Genome, random_genome
-from evodevo_sim.genome import HEADER, HEADER_NAMES, REGULATORY, SPECIAL
+from evodevo_sim.genome import HEADER, HEADER_NAMES, REGULATORY, SPECIAL, TRANSCRIPTION_FACTOR
 from hypothesis import strategies as st
 
 FAR = 1000.0  # farther than any affinity reaches
@@ -33,9 +33,23 @@ def dividing():
     return hand_made({"constant": (1, 0.0, 0.0), "division": (1, 0.0, 0.0)})
 
 
+def beating():
+    """One of the few random genomes that oscillate; it grows to its limit of cells."""
+    return random_genome(np.random.default_rng(663))
+
+
 def unit(cis, products):
     """A unit of cis points [(sign, x, y)] and products [(kind, sign, x, y)]."""
     return [(REGULATORY, *point) for point in cis] + list(products)
+
+
+def ring():
+    """A ring of three units, each held down by the one before; the first drives expansion, in all cells alike."""
+    at = [(-FAR, FAR * k) for k in range(3)]
+    units = [
+        unit([(1, offset, 0.0), (-1, *at[k - 1])], [(TRANSCRIPTION_FACTOR, 1, *at[k])]) for k, offset in enumerate((0.05, 0.1, 0.15))
+    ]
+    return hand_made({"constant": (1, 0.0, 0.0), "division": (1, 0.0, 0.0), "expansion": (1, *at[0])}, units)
 
 
 def first_viable(count, start=0):
