@@ -1,0 +1,290 @@
+"""Integrators: closed forms to each method's order, what must stay the same stays, steps from bounds are stable."""
+
+import numpy as np
+import pytest
+from bodies import ALONE, STEP, SWIM, body_of, chain, go, rotation, slab, wave
+from evodevo_sim.integrators import carry, carry_soundly, make_system, make_work, set_muscles
+from evodevo_sim.physics import INVERTED, SOUND, UNSTABLE, Law, accelerations
+from evodevo_sim.stability import (
+    ADAPTIVE, EULER, INTEGRATORS, RK4, VERLET, bounds, choose_steps, drag_rate, longest_step,
+)
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+FIXED = pytest.mark.parametrize("method", [EULER, VERLET, RK4], ids=INTEGRATORS[:3])
+EVERY = pytest.mark.parametrize("method, steps", [(EULER, 8), (VERLET, 8), (RK4, 4), (ADAPTIVE, 1e-7)], ids=INTEGRATORS)
+ORDER = {EULER: 1, VERLET: 2, RK4: 4}
+
+
+# --- closed forms -----------------------------------------------------------------------------------------------------
+
+
+def damped(t, k=40.0, c=1.0, mass=2.0, stretch=0.3):
+    """Length of a spring of rest length 1 between two masses, let go at 1 + stretch."""
+    a, w = c / mass, np.sqrt(2 * k / mass - (c / mass) ** 2)
+    return 1 + stretch * np.exp(-a * t) * (np.cos(w * t) + a / w * np.sin(w * t))
+
+
+def driven(t, k=40.0, c=1.0, mass=2.0, amplitude=0.5, frequency=0.6, phase=0.4):
+    """The same from rest at length 1 with both muscles driven: L = 1 + 0.4 amplitude sin(2 pi frequency t + phase)."""
+    # x = l - 1 obeys x'' + 2 a x' + w0^2 x = w0^2 s sin(f t + phase) + 2 a * 0: the damper sees l alone.
+    a, w0, f, s = c / mass, np.sqrt(2 * k / mass), 2 * np.pi * frequency, 0.4 * amplitude
+    particular = w0**2 * s * np.exp(1j * phase) / (w0**2 - f**2 + 2j * a * f)
+    w = np.sqrt(w0**2 - a**2)
+    x0, v0 = -particular.imag, -(1j * f * particular).imag
+    free = np.exp(-a * t) * (x0 * np.cos(w * t) + (v0 + a * x0) / w * np.sin(w * t))
+    return 1 + free + (particular * np.exp(1j * f * t)).imag
+
+
+def length_after(method, steps, drive, intervals=90):
+    law = Law(40.0, 1.0, 0.0, 0.0, 0.0)
+    drive = (np.full(2, 0.5), np.full(2, 0.6), np.full(2, 0.4)) if drive else None
+    system, position, velocity = chain(1.0 if drive else 1.3, np.zeros((2, 2)), law, drive, mass=2.0)
+    p, _ = go(system, method, steps, intervals, position, velocity)
+    return p[1, 0] - p[0, 0]
+
+
+@pytest.mark.parametrize("drive", [False, True], ids=["damped", "driven"])
+@FIXED
+def test_two_masses_on_a_spring_converge_to_the_closed_form_at_the_methods_order(method, drive):
+    exact = (driven if drive else damped)(90 * STEP)
+    coarse = {EULER: 16, VERLET: 8, RK4: 1}[method]
+    errors = [abs(length_after(method, coarse << k, drive) - exact) for k in range(3)]
+    orders = np.log2(np.divide(errors[:-1], errors[1:]))
+    assert orders == pytest.approx([ORDER[method]] * 2, abs=0.2)
+    assert errors[-1] < {EULER: 2e-3, VERLET: 2e-5, RK4: 1e-7}[method]
+
+
+@pytest.mark.parametrize("drive", [False, True], ids=["damped", "driven"])
+def test_the_adaptive_pair_meets_the_closed_form_to_its_tolerance(drive):
+    exact = (driven if drive else damped)(90 * STEP)
+    for tolerance in (1e-6, 1e-9):
+        assert abs(length_after(ADAPTIVE, tolerance, drive) - exact) < 20 * tolerance
+
+
+@pytest.mark.parametrize("method, steps", [(EULER, 64), (VERLET, 16), (RK4, 4), (ADAPTIVE, 1e-10)], ids=INTEGRATORS)
+def test_speed_across_a_bar_decays_as_drag_says(method, steps):
+    # A rigid bar of 2 kg and length 1 that moves across itself: 2 v' = -d v^2, so v = v0 / (1 + d v0 t / 2).
+    system, position, _ = chain(1.0, np.zeros((2, 2)), Law(400.0, 0.0, 0.0, 30.0, 0.5))
+    p, v = go(system, method, steps, 60, position, np.array([[0.0, 2.0], [0, 2]]))
+    assert v[:, 1] == pytest.approx(2 / (1 + 30.0), rel={EULER: 0.02, VERLET: 1e-3, RK4: 1e-4, ADAPTIVE: 1e-8}[method])
+    assert p[1, 0] - p[0, 0] == pytest.approx(1.0, abs=1e-12)
+
+
+@EVERY
+def test_a_sinking_bar_reaches_its_terminal_speed(method, steps):
+    body = body_of([(0, 0), (1, 0)])
+    system = make_system(body, Law(400.0, 10.0, 0.0, 50.0, 0.5), gravity=9.81)
+    _, v = go(system, method, steps, 240)
+    assert v[:, 1] == pytest.approx(-np.sqrt(2 * 9.81 / 50.0), rel=1e-6)
+
+
+@EVERY
+def test_free_fall_is_exact(method, steps):
+    body = slab(3, 2)
+    start = np.full((6, 2), [1.5, 4.0])
+    p, v = go(make_system(body, ALONE, gravity=9.81), method, steps, 120, velocity=start)
+    assert p == pytest.approx(body.position + [3.0, 8.0 - 0.5 * 9.81 * 4], abs=1e-9)
+    assert v == pytest.approx(start - [0, 2 * 9.81], abs=1e-9)
+
+
+# --- order and reference on a whole body -------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def swimmer():
+    body = slab()
+    return make_system(body, SWIM, drive=wave(body))
+
+
+@pytest.fixture(scope="module")
+def swum(swimmer):
+    """One second by DOP853 on the same right-hand side."""
+    cells = len(swimmer.body.position)
+
+    def slope(t, y):
+        state = y.reshape(2, cells, 2)
+        out = np.empty((cells, 2))
+        set_muscles(swimmer, t)
+        accelerations(swimmer.body, swimmer.law, swimmer.rest, state[0], state[1], out)
+        return np.concatenate((state[1].ravel(), out.ravel()))
+
+    start = np.concatenate((swimmer.body.position.ravel(), np.zeros(2 * cells)))
+    y = solve_ivp(slope, (0, 1), start, "DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
+    return y[: 2 * cells].reshape(cells, 2)
+
+
+@FIXED
+def test_order_on_a_swimmer_is_that_of_theory(swimmer, swum, method):
+    coarse = {EULER: 32, VERLET: 16, RK4: 2}[method]
+    error = [np.abs(go(swimmer, method, coarse << k, 60)[0] - swum).max() for k in range(2)]
+    assert np.log2(error[0] / error[1]) == pytest.approx(ORDER[method], abs=0.2)
+    assert error[1] < {EULER: 2e-3, VERLET: 3e-5, RK4: 3e-6}[method]
+
+
+def test_the_adaptive_pair_agrees_with_dop853(swimmer, swum):
+    assert np.abs(go(swimmer, ADAPTIVE, 1e-11, 60)[0] - swum).max() < 1e-9
+
+
+# --- what must not change ------------------------------------------------------------------------------------------------
+
+
+@EVERY
+def test_turned_and_shifted_bodies_swim_turned_and_shifted(swimmer, method, steps):
+    turn, shift = rotation(0.7), np.array([3.0, -2.0])
+    body = swimmer.body._replace(position=np.ascontiguousarray(swimmer.body.position @ turn.T + shift))
+    there = make_system(body, SWIM, drive=(swimmer.amplitude, swimmer.frequency, swimmer.phase))
+    here, other = go(swimmer, method, steps, 60)[0], go(there, method, steps, 60)[0]
+    assert other == pytest.approx(here @ turn.T + shift, abs=1e-6 if method == ADAPTIVE else 1e-10)
+
+
+@EVERY
+def test_internal_forces_keep_momentum_over_2000_control_steps(method, steps):
+    body = slab(6, 3)
+    system = make_system(body, Law(400.0, 10.0, 400.0, 0.0, 0.0), drive=wave(body))
+    velocity = np.random.default_rng(1).normal(0, 0.5, body.position.shape)
+    before = velocity.sum(0), np.cross(body.position, velocity).sum()
+    p, v = go(system, method, 1e-5 if method == ADAPTIVE else steps, 2000, velocity=velocity)
+    assert np.abs(v.sum(0) - before[0]).max() < 1e-12 * max(1.0, np.abs(v).sum())
+    if method in (EULER, VERLET):
+        assert abs(np.cross(p, v).sum() - before[1]) < 1e-11 * max(1.0, np.abs(before[1]))
+
+
+# --- steps ---------------------------------------------------------------------------------------------------------------
+
+
+def matrices(system):
+    """Mass-scaled stiffness and damping matrices of a body at rest, by differences of its forces."""
+    body, cells = system.body, len(system.body.position)
+    x = body.position
+    stiffness, damping = np.empty((2 * cells, 2 * cells)), np.empty((2 * cells, 2 * cells))
+    for k in range(2 * cells):
+        pair = []
+        for which in range(2):
+            sides = []
+            for sign in (1, -1):
+                state = [x.copy(), np.zeros_like(x)]
+                state[which].flat[k] += sign * 1e-6
+                out = np.empty_like(x)
+                accelerations(body, system.law, body.rest_length, *state, out)
+                sides.append(out.ravel())
+            pair.append((sides[0] - sides[1]) / 2e-6)
+        stiffness[:, k], damping[:, k] = -pair[0], -pair[1]
+    return stiffness, damping
+
+
+def random_system(seed, cells, stiffness, damping, pressure):
+    rng = np.random.default_rng(seed)
+    body = body_of(rng.uniform(-0.6, 0.6, (cells, 2)) * np.sqrt(cells))
+    body = body._replace(inverse_mass=1 / rng.uniform(0.5, 2.0, cells))
+    return make_system(body, Law(stiffness, damping, pressure, 0.0, 0.0))
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 2**32), st.integers(2, 16), st.floats(10, 1e4), st.floats(0, 300), st.floats(0, 1e4))
+def test_bounds_lie_above_the_true_eigenvalues(seed, cells, stiffness, damping, pressure):
+    system = random_system(seed, cells, stiffness, damping, pressure)
+    k, d = matrices(system)
+    frequency, strongest = bounds(system)
+    assert frequency**2 * (1 + 1e-6) >= np.linalg.eigvals(k).real.max()
+    assert strongest * (1 + 1e-6) + 1e-9 >= np.linalg.eigvals(d).real.max()
+
+
+def propagator(method, h, stiffness, damping):
+    """The matrix of a step of the linear problem, from the definition of each method."""
+    n = len(stiffness)
+    one, zero = np.eye(n), np.zeros((n, n))
+    if method == EULER:
+        v = np.hstack((-h * stiffness, one - h * damping))
+        return np.vstack((np.hstack((one, zero)) + h * v, v))
+    if method == VERLET:  # of (x, v, a)
+        x = np.hstack((one, h * one, h * h / 2 * one))
+        a = -stiffness @ x - damping @ np.hstack((zero, one, h * one))
+        return np.vstack((x, np.hstack((zero, one, h / 2 * one)) + h / 2 * a, a))
+    z = h * np.block([[zero, one], [-stiffness, -damping]])
+    return np.eye(2 * n) + z @ (np.eye(2 * n) + z @ (np.eye(2 * n) + z @ (np.eye(2 * n) + z / 4) / 3) / 2)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 2**32), st.integers(2, 10), st.floats(10, 1e4), st.floats(0, 300), st.sampled_from([EULER, VERLET, RK4]))
+def test_the_longest_step_of_true_eigenvalues_is_stable_and_one_not_much_longer_is_not(seed, cells, stiffness, damping, method):
+    k, d = matrices(random_system(seed, cells, stiffness, damping, stiffness))
+    h = longest_step(method, np.sqrt(np.linalg.eigvals(k).real.max()), max(0.0, np.linalg.eigvals(d).real.max()))
+    spectral_radius = lambda h: np.abs(np.linalg.eigvals(propagator(method, h, k, d))).max()  # noqa: E731
+    assert spectral_radius(h * (1 - 1e-4)) < 1 + 1e-6  # whole-body motions have eigenvalue 1, twice
+    # Frequency and damping need not peak in one mode; RK4's limit is that of the worst angle.
+    assert spectral_radius(h * (2.2 if damping else 1.1)) > 1 + 1e-4
+
+
+@FIXED
+def test_a_body_in_chosen_steps_comes_to_rest_whatever_its_damping(method):
+    for damping in (0.5, 20.0, 300.0):
+        system = make_system(slab(4, 3), Law(400.0, damping, 400.0, 0.0, 0.0))
+        body = system.body
+        position = body.position + np.random.default_rng(3).normal(0, 0.03, body.position.shape)
+        steps = choose_steps(system, method, bounds(system), position, np.zeros_like(position), STEP)
+        _, v = go(system, method, steps, 1200, position)
+        assert np.abs(v).max() < 0.02
+
+
+@FIXED
+def test_chosen_steps_do_not_overshoot_in_strong_drag(method):
+    system, position, _ = chain(1.0, np.zeros((2, 2)), Law(400.0, 0.0, 0.0, 1e4, 0.5))
+    velocity = np.array([[0.0, 5.0], [0, 5]])
+    steps = choose_steps(system, method, bounds(system), position, velocity, STEP)
+    assert STEP / steps * drag_rate(system, position, velocity) <= 0.5
+    _, v = go(system, method, steps, 1, position, velocity)
+    assert v[:, 1] == pytest.approx(5 / (1 + 1e4 * 5 * STEP / 2), rel=0.4)
+
+
+# --- faults --------------------------------------------------------------------------------------------------------------
+
+
+def test_a_step_too_long_is_redone_finer_and_named_where_that_does_not_help():
+    system = make_system(slab(4, 3), Law(4000.0, 0.0, 4000.0, 0.0, 0.0))
+    position = system.body.position + 0.01 * np.random.default_rng(0).normal(size=(12, 2))
+    work = make_work(12)
+
+    def attempt(doublings):
+        p, v = position.copy(), np.zeros((12, 2))
+        for k in range(600):
+            outcome, steps = carry_soundly(system, VERLET, k * STEP, STEP, 1, doublings, p, v, work, np.zeros(0))
+            if outcome != SOUND:
+                break
+        return outcome, steps
+
+    assert attempt(0)[0] in (UNSTABLE, INVERTED)
+    assert attempt(3) [0] == SOUND
+
+
+@FIXED
+def test_nan_is_unstable(method):
+    system = make_system(slab(3, 2), SWIM)
+    velocity = np.zeros((6, 2))
+    velocity[2, 1] = np.nan
+    outcome, steps = carry_soundly(system, method, 0.0, STEP, 2, 1, system.body.position.copy(), velocity, make_work(6), np.zeros(0))
+    assert (outcome, steps) == (UNSTABLE, 4)
+
+
+def test_how_fast_a_body_travels_is_no_fault():
+    system = make_system(slab(3, 2), ALONE)
+    velocity = np.full((6, 2), 1e4)
+    assert carry_soundly(system, RK4, 0.0, STEP, 2, 0, system.body.position.copy(), velocity, make_work(6), np.zeros(0))[0] == SOUND
+
+
+def test_equal_arguments_give_equal_bits(swimmer):
+    for method in (EULER, VERLET, RK4):
+        runs = [go(swimmer, method, 4, 30) for _ in range(2)]
+        assert np.array_equal(runs[0][0], runs[1][0]) and np.array_equal(runs[0][1], runs[1][1])
+
+
+def test_an_interval_may_be_split(swimmer):
+    # Euler and RK4 keep nothing from step to step.
+    for method in (EULER, RK4):
+        work = make_work(len(swimmer.body.position))
+        p, v = swimmer.body.position.copy(), np.zeros_like(swimmer.body.position)
+        for k in range(4):
+            carry(swimmer, method, k * STEP / 4, STEP / 4, 2, p, v, work, np.zeros(0))
+        whole, _ = go(swimmer, method, 8, 1)
+        assert p == pytest.approx(whole, abs=1e-14)
