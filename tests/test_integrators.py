@@ -49,7 +49,7 @@ def length_after(method, steps, drive, intervals=90):
 @FIXED
 def test_two_masses_on_a_spring_converge_to_the_closed_form_at_the_methods_order(method, drive):
     exact = (driven if drive else damped)(90 * STEP)
-    coarse = {EULER: 16, VERLET: 8, RK4: 1}[method]
+    coarse = {EULER: 16, VERLET: 8, RK4: 2}[method]
     errors = [abs(length_after(method, coarse << k, drive) - exact) for k in range(3)]
     orders = np.log2(np.divide(errors[:-1], errors[1:]))
     assert orders == pytest.approx([ORDER[method]] * 2, abs=0.2)
@@ -98,33 +98,36 @@ def swimmer():
     return make_system(body, SWIM, drive=wave(body))
 
 
-@pytest.fixture(scope="module")
-def swum(swimmer):
+def by_dop853(system):
     """One second by DOP853 on the same right-hand side."""
-    cells = len(swimmer.body.position)
+    cells = len(system.body.position)
 
     def slope(t, y):
         state = y.reshape(2, cells, 2)
         out = np.empty((cells, 2))
-        set_muscles(swimmer, t)
-        accelerations(swimmer.body, swimmer.law, swimmer.rest, state[0], state[1], out)
+        set_muscles(system, t)
+        accelerations(system.body, system.law, system.rest, state[0], state[1], out)
         return np.concatenate((state[1].ravel(), out.ravel()))
 
-    start = np.concatenate((swimmer.body.position.ravel(), np.zeros(2 * cells)))
+    start = np.concatenate((system.body.position.ravel(), np.zeros(2 * cells)))
     y = solve_ivp(slope, (0, 1), start, "DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
     return y[: 2 * cells].reshape(cells, 2)
 
 
 @FIXED
-def test_order_on_a_swimmer_is_that_of_theory(swimmer, swum, method):
-    coarse = {EULER: 32, VERLET: 16, RK4: 2}[method]
-    error = [np.abs(go(swimmer, method, coarse << k, 60)[0] - swum).max() for k in range(2)]
+def test_order_on_a_body_is_that_of_theory(swimmer, method):
+    # Without drag, whose v |v| is not smooth at 0.
+    system = make_system(swimmer.body, SWIM._replace(drag_normal=0.0, drag_tangential=0.0), drive=wave(swimmer.body))
+    exact = by_dop853(system)
+    coarse = {EULER: 32, VERLET: 16, RK4: 4}[method]
+    error = [np.abs(go(system, method, coarse << k, 60)[0] - exact).max() for k in range(2)]
     assert np.log2(error[0] / error[1]) == pytest.approx(ORDER[method], abs=0.2)
-    assert error[1] < {EULER: 2e-3, VERLET: 3e-5, RK4: 3e-6}[method]
 
 
-def test_the_adaptive_pair_agrees_with_dop853(swimmer, swum):
-    assert np.abs(go(swimmer, ADAPTIVE, 1e-11, 60)[0] - swum).max() < 1e-9
+def test_swimming_agrees_with_dop853(swimmer):
+    exact = by_dop853(swimmer)
+    for method, steps, close in ((EULER, 64, 1e-3), (VERLET, 32, 2e-5), (RK4, 8, 1e-6), (ADAPTIVE, 1e-11, 1e-9)):
+        assert np.abs(go(swimmer, method, steps, 60)[0] - exact).max() < close
 
 
 # --- what must not change ------------------------------------------------------------------------------------------------
@@ -139,16 +142,20 @@ def test_turned_and_shifted_bodies_swim_turned_and_shifted(swimmer, method, step
     assert other == pytest.approx(here @ turn.T + shift, abs=1e-6 if method == ADAPTIVE else 1e-10)
 
 
+def spin(p, v):
+    return (p[:, 0] * v[:, 1] - p[:, 1] * v[:, 0]).sum()
+
+
 @EVERY
 def test_internal_forces_keep_momentum_over_2000_control_steps(method, steps):
     body = slab(6, 3)
     system = make_system(body, Law(400.0, 10.0, 400.0, 0.0, 0.0), drive=wave(body))
     velocity = np.random.default_rng(1).normal(0, 0.5, body.position.shape)
-    before = velocity.sum(0), np.cross(body.position, velocity).sum()
+    before = velocity.sum(0), spin(body.position, velocity)
     p, v = go(system, method, 1e-5 if method == ADAPTIVE else steps, 2000, velocity=velocity)
     assert np.abs(v.sum(0) - before[0]).max() < 1e-12 * max(1.0, np.abs(v).sum())
     if method in (EULER, VERLET):
-        assert abs(np.cross(p, v).sum() - before[1]) < 1e-11 * max(1.0, np.abs(before[1]))
+        assert abs(spin(p, v) - before[1]) < 1e-11 * max(1.0, np.abs(before[1]))
 
 
 # --- steps ---------------------------------------------------------------------------------------------------------------
@@ -212,14 +219,14 @@ def test_the_longest_step_of_true_eigenvalues_is_stable_and_one_not_much_longer_
     k, d = matrices(random_system(seed, cells, stiffness, damping, stiffness))
     h = longest_step(method, np.sqrt(np.linalg.eigvals(k).real.max()), max(0.0, np.linalg.eigvals(d).real.max()))
     spectral_radius = lambda h: np.abs(np.linalg.eigvals(propagator(method, h, k, d))).max()  # noqa: E731
-    assert spectral_radius(h * (1 - 1e-4)) < 1 + 1e-6  # whole-body motions have eigenvalue 1, twice
+    assert spectral_radius(h * (1 - 1e-3)) < 1 + 1e-5  # whole-body motions have eigenvalue 1, twice: rounding shows as its root
     # Frequency and damping need not peak in one mode; RK4's limit is that of the worst angle.
-    assert spectral_radius(h * (2.2 if damping else 1.1)) > 1 + 1e-4
+    assert spectral_radius(h * (2.2 if damping else 1.1)) > 1 + 1e-3
 
 
 @FIXED
 def test_a_body_in_chosen_steps_comes_to_rest_whatever_its_damping(method):
-    for damping in (0.5, 20.0, 300.0):
+    for damping in (5.0, 50.0, 300.0):
         system = make_system(slab(4, 3), Law(400.0, damping, 400.0, 0.0, 0.0))
         body = system.body
         position = body.position + np.random.default_rng(3).normal(0, 0.03, body.position.shape)
@@ -255,7 +262,7 @@ def test_a_step_too_long_is_redone_finer_and_named_where_that_does_not_help():
         return outcome, steps
 
     assert attempt(0)[0] in (UNSTABLE, INVERTED)
-    assert attempt(3) [0] == SOUND
+    assert attempt(3)[0] == SOUND
 
 
 @FIXED

@@ -21,6 +21,7 @@ setup(
     entry_points={
         "console_scripts": [
             "simulator = evodevo_sim.nodes.simulator:main",
+            "simulate = evodevo_sim.simulate:main",
             "replay = evodevo_sim.replay.cli:main",
         ],
     },

@@ -1,0 +1,85 @@
+"""What makes a set of cells and springs a planar body, checked where somebody else made it."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+_CLOSE = 1e-9  # of the extent of a body, that counts as no distance
+_ROWS = 256  # springs compared with all others at a time
+
+
+def _extent(position) -> float:
+    return float(np.ptp(position, axis=0).max()) or 1.0
+
+
+def coincident(position) -> tuple[int, int] | None:
+    """Two cells at one point, the first such pair."""
+    pairs = cKDTree(position).query_pairs(_CLOSE * _extent(position), output_type="ndarray")
+    return tuple(min(pairs.tolist())) if len(pairs) else None
+
+
+def collinear(position) -> bool:
+    """Whether all cells lie on one line."""
+    centred = position - position.mean(0)
+    return len(position) < 3 or float(np.linalg.svd(centred, compute_uv=False)[1]) < _CLOSE * _extent(position)
+
+
+def unreachable(edges, cells) -> int | None:
+    """The first cell that no path of springs joins to cell 0."""
+    root = list(range(cells))
+
+    def find(i):
+        while root[i] != i:
+            root[i] = root[root[i]]
+            i = root[i]
+        return i
+
+    for a, b in edges.tolist():
+        a, b = find(a), find(b)
+        root[max(a, b)] = min(a, b)
+    return next((i for i in range(cells) if find(i) != 0), None)
+
+
+def crossing(position, edges) -> tuple[int, int | None, int | None] | None:
+    """The first fault of springs (E, 2): (s, other, None) where two cross, (s, None, cell) where one runs through a cell."""
+    a, b = position[edges[:, 0]], position[edges[:, 1]]
+    near = _CLOSE * _extent(position)
+    for first in range(0, len(edges), _ROWS):
+        rows = slice(first, first + _ROWS)
+        d = (b - a)[rows, None]
+        length = np.hypot(d[..., 0], d[..., 1])
+        inner = position[None] - a[rows, None]
+        share = (inner * d).sum(-1) / length**2
+        off = np.abs(d[..., 0] * inner[..., 1] - d[..., 1] * inner[..., 0]) / length
+        through = (off < near) & (share > 0) & (share < 1)
+        cells = np.arange(len(position))[None]
+        through &= (cells != edges[rows, :1]) & (cells != edges[rows, 1:])
+        if through.any():
+            s, cell = np.argwhere(through)[0].tolist()
+            return first + s, None, cell
+        side = lambda p, q, r: (q[..., 0] - p[..., 0]) * (r[..., 1] - p[..., 1]) - (q[..., 1] - p[..., 1]) * (r[..., 0] - p[..., 0])  # noqa: E731
+        p, q = a[rows, None], b[rows, None]
+        crosses = (side(p, q, a[None]) * side(p, q, b[None]) < 0) & (side(a[None], b[None], p) * side(a[None], b[None], q) < 0)
+        crosses &= ~(edges[rows, None, :, None] == edges[None, :, None, :]).any((-1, -2))
+        if crosses.any():
+            s, other = sorted((first + np.argwhere(crosses)[0, 0], np.argwhere(crosses)[0, 1]))
+            return int(s), int(other), None
+    return None
+
+
+def faces_of(body, rows):
+    """A body whose chambers are these cycles of cells alone, turned counter-clockwise."""
+    areas, triangles, polygons = {3: [], 4: []}, [], []
+    for row in rows:
+        x, y = body.position[row].T
+        area = 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
+        (triangles if len(row) == 3 else polygons).append(row if area > 0 else row[::-1])
+        areas[min(len(row), 4)].append(abs(area))
+    return body._replace(
+        triangle=np.array(triangles, np.uint32).reshape(-1, 3),
+        triangle_area=np.array(areas[3], np.float64),
+        polygon_start=np.cumsum([0, *map(len, polygons)]).astype(np.uint32),
+        polygon_cell=np.array([cell for row in polygons for cell in row], np.uint32),
+        polygon_area=np.array(areas[4], np.float64),
+    )
