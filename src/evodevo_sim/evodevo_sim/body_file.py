@@ -249,7 +249,7 @@ def _with_chambers(body, given, edges):
             raise BodyError("position: all cells lie on one line, so that there are no faces: move a cell, or give 'chambers: []'")
     else:
         body = faces_of(body, _cycles(given, len(body.position), edges))
-    least = 1e-9 * np.ptp(body.position, axis=0).max() ** 2 / len(body.position)
+    least = 1e-6 * np.ptp(body.position, axis=0).max() ** 2 / len(body.position)
     for number, area in enumerate((*body.triangle_area, *body.polygon_area)):
         if not area > least:
             raise BodyError(f"chambers: the face {_face(body, number)} has an area of {area:.3g} m^2: move a cell off its side")

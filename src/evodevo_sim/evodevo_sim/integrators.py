@@ -87,19 +87,16 @@ def _accelerate(system, position, velocity, out):
 
 @kernel
 def _euler(system, t, h, position, velocity, work, ledger):
-    """One symplectic step.  A cell that would pass the ground is put on it, and Coulomb friction takes its share.
-
-    Positions move by the velocity at the middle of the step as far as gravity and sliding friction go, so that free fall and
-    a sliding block are exact; neither can then add energy.
-    """
-    a, half = work.slope_v[0], 0.5 * h * system.gravity
+    """One symplectic step: velocities first.  A cell that would pass the ground is put on it, and Coulomb friction takes its
+    share; a sliding cell moves by its mean velocity, so that a block stops where it should."""
+    a = work.slope_v[0]
     set_muscles(system, t)
     if ledger.size:
         add_power(system, t, position, velocity, 0.5 * h, work.slope_p[0], ledger)
-    accelerations(system.body, system.law, system.rest, position, velocity, a)
+    _accelerate(system, position, velocity, a)
     for i in range(position.shape[0]):
-        vx, vy = velocity[i, 0] + h * a[i, 0], velocity[i, 1] + h * a[i, 1] - 2.0 * half
-        if system.ground and position[i, 1] + h * (vy + half) < 0.0:
+        vx, vy = velocity[i, 0] + h * a[i, 0], velocity[i, 1] + h * a[i, 1]
+        if system.ground and position[i, 1] + h * vy < 0.0:
             before = vx * vx + vy * vy
             landing = -position[i, 1] / h
             most = system.friction * (landing - vy)
@@ -107,18 +104,30 @@ def _euler(system, t, h, position, velocity, work, ledger):
             if abs(vx) <= most:
                 vx = 0.0
             else:
-                vx -= most if vx > 0.0 else -most
-                position[i, 0] += 0.5 * h * (most if vx > 0.0 else -most)
+                most = most if vx > 0.0 else -most
+                vx -= most
+                position[i, 0] += 0.5 * h * most
             position[i, 1] = 0.0
             if ledger.size:
                 ledger[3] += 0.5 * (vx * vx + vy * vy - before) / system.body.inverse_mass[i]
         else:
-            position[i, 1] += h * (vy + half)
+            position[i, 1] += h * vy
         position[i, 0] += h * vx
         velocity[i, 0], velocity[i, 1] = vx, vy
     if ledger.size:
         set_muscles(system, t + h)
         add_power(system, t + h, position, velocity, 0.5 * h, work.slope_p[0], ledger)
+
+
+@kernel
+def _shift(system, t, seconds, position, velocity, work):
+    """Velocities of cells off the ground `seconds` later, by their present accelerations."""
+    set_muscles(system, t)
+    _accelerate(system, position, velocity, work.slope_v[0])
+    for i in range(position.shape[0]):
+        if position[i, 1] != 0.0 or velocity[i, 1] > 0.0:
+            velocity[i, 0] += seconds * work.slope_v[0][i, 0]
+            velocity[i, 1] += seconds * work.slope_v[0][i, 1]
 
 
 @kernel
@@ -181,10 +190,13 @@ def carry(system, method, t, seconds, steps, position, velocity, work, ledger):
     """Carry a state from time t over an interval in equal steps, in place.
 
     Args:
-        method: EULER, VERLET or RK4; only Euler knows the ground.
+        method: EULER, VERLET or RK4; only Euler knows the ground.  There its velocities are those of the middles of steps and
+            are shifted to the ends of the interval, so that free fall is exact and what rests has no speed.
         ledger: (4,), added to: see `energy`; or empty.
     """
     h = seconds / steps
+    if system.ground:
+        _shift(system, t, -0.5 * h, position, velocity, work)
     if method == VERLET:
         set_muscles(system, t)
         _accelerate(system, position, velocity, work.slope_v[0])
@@ -197,6 +209,8 @@ def carry(system, method, t, seconds, steps, position, velocity, work, ledger):
         else:
             _stages(system, now, h, 0, position, velocity, work, _CLASSICAL, ledger)
             _combine(h, _CLASSICAL[2], position, velocity, work)
+    if system.ground:
+        _shift(system, t + seconds, 0.5 * h, position, velocity, work)
 
 
 @kernel

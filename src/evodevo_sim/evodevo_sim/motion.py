@@ -30,6 +30,7 @@ DOUBLINGS = 3  # of the steps of a frame that came out unsound
 _FINER = {"swim": 8, "walk": 4, "free": 8}  # than stable: errors near 1e-7 m for the smooth scenes
 _BOUND_SLACK = 1.5  # the bound of the frequency lies up to so much above the truth
 _MOST_VALUES = 20_000_000  # frames times cells
+_MOST_STEPS = 10_000  # a frame, before they are made finer
 _CHUNK = 256  # frames between looks at whether the user wants to stop
 _CAUSE = {True: "a chamber turned inside out or a spring collapsed", False: "the physics blew up"}
 
@@ -75,6 +76,11 @@ def simulate_body(own: OwnBody, scene: str = "swim", duration: float = 10.0, *, 
         longest = longest_step(method, *bound)
         if dt > _BOUND_SLACK * longest:
             raise ParameterError(f"dt is {dt:g} s: {INTEGRATORS[method]} is stable for this body up to about {longest:.2g} s")
+    elif method != ADAPTIVE and choose_steps(system, method, bound, position, velocity, FRAME) > _MOST_STEPS:
+        raise BodyError(
+            f"stiffness, damping or pressure: the body needs more than {_MOST_STEPS * 60} steps a second: lower them, raise mass, "
+            "or widen needle-shaped chambers"
+        )
     cells, frames = len(position), len(time)
     track = np.empty((frames, cells, 2)), np.empty((frames, cells, 2))
     track[0][0], track[1][0] = position, velocity
