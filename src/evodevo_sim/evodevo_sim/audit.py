@@ -73,7 +73,7 @@ def _faults(runs, most_change):
             yield f"{run.name}: {run.cause}"
             continue
         if not abs(run.change) <= most_change:
-            yield f"{run.name}: fitness changes by {run.change:+.1%}, more than {most_change:.1%}"
+            yield f"{run.name}: fitness changes by {run.change:+.2g} of itself, more than {most_change:g}"
         most_gap = MOST_GAP if run is runs[0] else MOST_FINE_GAP
         if not run.gap <= most_gap:
             yield f"{run.name}: {run.gap:.2%} of the energy is unexplained, more than {most_gap:.1%}"

@@ -121,12 +121,14 @@ def _euler(system, t, h, position, velocity, work, ledger):
 
 @kernel
 def _shift(system, t, seconds, position, velocity, work):
-    """Velocities of cells off the ground `seconds` later, by their present accelerations."""
+    """Velocities `seconds` later by present accelerations, but for what the ground holds: contacts across it, and by friction."""
     set_muscles(system, t)
     _accelerate(system, position, velocity, work.slope_v[0])
     for i in range(position.shape[0]):
-        if position[i, 1] != 0.0 or velocity[i, 1] > 0.0:
+        free = position[i, 1] != 0.0 or velocity[i, 1] > 0.0
+        if free or system.friction == 0.0:
             velocity[i, 0] += seconds * work.slope_v[0][i, 0]
+        if free:
             velocity[i, 1] += seconds * work.slope_v[0][i, 1]
 
 
