@@ -11,7 +11,9 @@ from plain import grid
 
 
 def total(system, t, position, velocity):
-    muscle = system.amplitude * np.sin(2 * np.pi * system.frequency * t + system.phase) if system.amplitude.size else np.zeros(len(position))
+    muscle = np.zeros(len(position))
+    if system.amplitude.size:
+        muscle = system.amplitude * np.sin(2 * np.pi * system.frequency * t + system.phase)
     rest = np.empty_like(system.body.rest_length)
     set_rest_lengths(system.body, muscle, rest)
     return sum(stored_energy(system.body, system.law, rest, system.gravity, position, velocity))

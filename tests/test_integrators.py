@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 from bodies import ALONE, STEP, SWIM, body_of, chain, go, rotation, slab, wave
-from evodevo_sim.integrators import carry, carry_soundly, make_system, make_work, set_muscles
+from evodevo_sim.integrators import carry, make_system, make_work, set_muscles
 from evodevo_sim.physics import INVERTED, SOUND, UNSTABLE, Law, accelerations
 from evodevo_sim.stability import (
     ADAPTIVE, EULER, INTEGRATORS, RK4, VERLET, bounds, choose_steps, drag_rate, longest_step,
 )
+from evodevo_sim.trajectory import carry_soundly
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp

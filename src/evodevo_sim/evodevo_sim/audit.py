@@ -10,15 +10,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ._jit import kernel
-from .energy import least_chamber, stored_energy
 from .evaluation import Evaluation, Performance, _score, perform
 from .genome import Genome
-from .integrators import carry, carry_adaptively, make_system, make_work
+from .integrators import make_system, make_work
 from .parameters import Task
-from .physics import SOUND, UNSTABLE, make_law, set_rest_lengths
-from .stability import ADAPTIVE, RK4, is_sound
-from .swim import OK, Swim, centre_of_mass
+from .physics import SOUND, make_law
+from .stability import ADAPTIVE, RK4
+from .swim import OK, Swim
+from .trajectory import repeat
 
 FINER = 8
 TOLERANCE = 1e-9  # m and m/s, of a step of the adaptive run
@@ -62,8 +61,11 @@ def audit(genome: Genome, task: Task = Task(), seed: int = 0, most_change: float
         return Audit(evaluation, (), (f"it fails as evolved: {evaluation.cause}",))
     substeps = evaluation.metrics.substeps
     fine = perform(genome, task, seed, finer=FINER)
-    runs = [_run("as evolved", first, first, task, RK4, substeps), _run(f"{FINER} x finer", fine, first, task, RK4, substeps * FINER)]
-    runs.append(_run("order 5, adaptive", None, first, task, ADAPTIVE, 0))
+    runs = [
+        _run("as evolved", first, first, task, RK4, substeps),
+        _run(f"{FINER} x finer", fine, first, task, RK4, substeps * FINER),
+        _run("order 5, adaptive", None, first, task, ADAPTIVE, 0),
+    ]
     return Audit(evaluation, tuple(runs), tuple(_faults(runs, most_change)))
 
 
@@ -87,7 +89,8 @@ def _run(name, performance: Performance | None, first: Performance, task: Task, 
     position, velocity = first.position[0].copy(), np.zeros_like(first.position[0])
     ledger, path = np.zeros(4), np.zeros((task.windows + 1, 2))
     outcome, gain, chamber = repeat(
-        system, method, steps, TOLERANCE, task.control_step, first.activation, position, velocity, make_work(len(position)), ledger, path
+        system, method, steps, TOLERANCE, task.control_step, first.activation, position, velocity, make_work(len(position)),
+        ledger, path,
     )
     gap = abs(gain - ledger.sum()) / max(abs(ledger[1:]).sum(), 1e-12)
     cause = "" if outcome == SOUND else "the repeated motion is not sound"
@@ -101,40 +104,3 @@ def _score_path(evaluation: Evaluation, path, task: Task) -> Evaluation:
     """The evaluation of the same muscles on another path."""
     m = evaluation.metrics
     return _score(Swim(OK, -1, path, m.activation_amplitude, m.substeps, m.cells, m.springs, m.chambers), task)
-
-
-@kernel
-def repeat(system, method, steps, tolerance, control_step, activation, position, velocity, work, ledger, path):
-    """Move a body by the muscles of a life, in place, with its ledger.
-
-    Args: activation (T + 1, N) of e - c, whose row k + 1 holds during control step k; path (windows + 1, 2): filled.
-
-    Returns: (outcome; gain of stored energy, J; least S / S0 of any chamber after any control step).
-    """
-    body, law = system.body, system.law
-    count, windows = activation.shape[0] - 1, path.shape[0] - 1
-    h, least, outcome = control_step / 16.0, 1.0, SOUND
-    set_rest_lengths(body, activation[0], system.rest)
-    begin = stored_energy(body, law, system.rest, 0.0, position, velocity)
-    path[:, 0], path[:, 1] = centre_of_mass(position, body.inverse_mass)
-    for k in range(count):
-        before = stored_energy(body, law, system.rest, 0.0, position, velocity)
-        set_rest_lengths(body, activation[k + 1], system.rest)
-        after = stored_energy(body, law, system.rest, 0.0, position, velocity)
-        ledger[0] += after[1] - before[1]  # muscles do their work at once, at the start of a control step
-        if method == ADAPTIVE:
-            outcome, h, _ = carry_adaptively(system, 0.0, control_step, tolerance, h, position, velocity, work, ledger)
-        else:
-            carry(system, method, 0.0, control_step, steps, position, velocity, work, ledger)
-        if outcome == SOUND:
-            outcome = is_sound(system, position, velocity, 0.0, work)
-        if outcome != SOUND:
-            return outcome, np.nan, least
-        least = min(least, least_chamber(body, position)[0])
-        if (k + 1) % (count // windows) == 0:
-            path[(k + 1) // (count // windows) :, 0], path[(k + 1) // (count // windows) :, 1] = centre_of_mass(position, body.inverse_mass)
-    end = stored_energy(body, law, system.rest, 0.0, position, velocity)
-    gain = 0.0
-    for part in range(4):
-        gain += end[part] - begin[part]
-    return (outcome if gain == gain else UNSTABLE), gain, least

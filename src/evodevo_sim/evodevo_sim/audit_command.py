@@ -30,8 +30,10 @@ Exit code: 0 it stands, 1 it does not, 2 bad input.
 def main(arguments: list[str] | None = None) -> int:
     parser = Parser("audit", "Repeat a champion in finer steps and by a better method.", _EPILOG)
     parser.add_argument("source", metavar="GENOME|BAG", help="a genome file, or the recording of a run")
-    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="for a genome file: a number of its task")
-    parser.add_argument("--within", type=float, default=MOST_CHANGE, metavar="X", help="change that still stands, relative (default %(default)s)")
+    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="for a genome: a number of its task")
+    parser.add_argument(
+        "--within", type=float, default=MOST_CHANGE, metavar="X", help="change that still stands, relative (default %(default)s)"
+    )
     given = parser.parse_args(without_ros(parser, sys.argv[1:] if arguments is None else arguments))
     try:
         if not 0.0 < given.within <= 1.0:
@@ -42,7 +44,8 @@ def main(arguments: list[str] | None = None) -> int:
         parser.exit(2, f"{parser.prog}: {error}\n")
     faults = list(result.faults)
     if recorded is not None and recorded != result.evaluation.fitness:
-        faults.insert(0, f"recorded was {recorded:.6g}, here it is {result.evaluation.fitness:.6g}: another version or machine made it")
+        now = result.evaluation.fitness
+        faults.insert(0, f"recorded was {recorded:.6g}, here it is {now:.6g}: another version or machine made it")
     print(table(result))
     print("The fitness stands." if not faults else "The fitness does not stand:\n" + "\n".join(f"  {fault}" for fault in faults))
     return 1 if faults else 0

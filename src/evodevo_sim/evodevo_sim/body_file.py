@@ -27,7 +27,8 @@ from .parameters import Material
 from .planar import coincident, collinear, crossing, faces_of, unreachable
 
 KEYS = (
-    "position", "velocity", "mass", "springs", "rest_length", "stiffness", "damping", "pressure", "chambers", "activation", "scene",
+    "position", "velocity", "mass", "springs", "rest_length", "stiffness", "damping", "pressure", "chambers", "activation",
+    "scene",
 )
 ACTIVATION = ("amplitude", "frequency", "phase")
 SURROUNDINGS = ("drag_normal", "drag_tangential", "gravity", "friction")
@@ -201,9 +202,8 @@ def _pairs(document, key, count):
     for i, row in enumerate(rows):
         if len(_list(row, f"{key}[{i}]", "two numbers, [x, y]")) != 2:
             raise BodyError(f"{key}[{i}] is {_short(row)}: give two numbers, [x, y]")
-    return np.array(
-        [[_number(_plain(value), key, f"{key}[{i}][{k}]") for k, value in enumerate(row)] for i, row in enumerate(rows)], np.float64
-    ).reshape(-1, 2)
+    numbers = [_number(_plain(value), key, f"{key}[{i}][{k}]") for i, row in enumerate(rows) for k, value in enumerate(row)]
+    return np.array(numbers, np.float64).reshape(-1, 2)
 
 
 def _indices(row, where, cells, what):
@@ -246,7 +246,7 @@ def _with_chambers(body, given, edges):
         if given != "faces":
             raise BodyError(f"chambers is {given!r}: give faces, a list of faces as lists of cells, or an empty list")
         if collinear(body.position):
-            raise BodyError("position: all cells lie on one line, so that there are no faces: move a cell, or give 'chambers: []'")
+            raise BodyError("position: all cells lie on one line and make no faces: move a cell, or give 'chambers: []'")
     else:
         body = faces_of(body, _cycles(given, len(body.position), edges))
     least = 1e-6 * np.ptp(body.position, axis=0).max() ** 2 / len(body.position)

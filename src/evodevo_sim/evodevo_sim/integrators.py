@@ -18,7 +18,7 @@ import numpy as np
 from ._jit import kernel
 from .energy import add_power
 from .physics import SOUND, UNSTABLE, accelerations, set_rest_lengths
-from .stability import EULER, RK4, VERLET, is_sound
+from .stability import EULER, VERLET
 
 _SLOWEST = 1e-9  # of an interval: an adaptive step below this has failed
 
@@ -257,26 +257,3 @@ def carry_adaptively(system, t, seconds, tolerance, h, position, velocity, work,
         if h < _SLOWEST * seconds:
             return UNSTABLE, h, used
     return SOUND, h, used
-
-
-@kernel
-def carry_soundly(system, method, t, seconds, steps, doublings, position, velocity, work, ledger):
-    """`carry`, then a look at the outcome; where that is not sound, again with twice the steps, at most `doublings` times.
-
-    Returns: (SOUND or what was wrong with the finest try, steps of that try).
-    """
-    work.start_position[:] = position
-    work.start_velocity[:] = velocity
-    work.power[: ledger.size] = ledger
-    outcome = SOUND
-    for doubling in range(doublings + 1):
-        if doubling:
-            position[:] = work.start_position
-            velocity[:] = work.start_velocity
-            ledger[:] = work.power[: ledger.size]
-            steps *= 2
-        carry(system, method, t, seconds, steps, position, velocity, work, ledger)
-        outcome = is_sound(system, position, velocity, seconds / steps, work)
-        if outcome == SOUND:
-            break
-    return outcome, steps

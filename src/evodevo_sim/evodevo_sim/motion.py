@@ -15,18 +15,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ._jit import kernel
 from .body_file import BodyError, OwnBody
-from .integrators import System, carry_adaptively, carry_soundly, make_system, make_work
+from .integrators import System, make_system, make_work
 from .parameters import ParameterError, Scene
 from .physics import INVERTED, SOUND, Law
-from .stability import ADAPTIVE, EULER, INTEGRATORS, RK4, bounds, choose_steps, is_sound, longest_step
+from .stability import ADAPTIVE, EULER, INTEGRATORS, bounds, choose_steps, longest_step
+from .trajectory import follow
 
 SCENES = ("swim", "walk", "free")
 FRAME = 1 / 60  # s between frames where no step is given
 GRAVITY, FRICTION = 9.81, 0.8  # m/s^2 and Coulomb's coefficient of the walk scene, where the file has none
 TOLERANCE = 1e-9
-DOUBLINGS = 3  # of the steps of a frame that came out unsound
 _FINER = {"swim": 8, "walk": 4, "free": 8}  # than stable: errors near 1e-7 m for the smooth scenes
 _BOUND_SLACK = 1.5  # the bound of the frequency lies up to so much above the truth
 _MOST_VALUES = 20_000_000  # frames times cells
@@ -78,8 +77,8 @@ def simulate_body(own: OwnBody, scene: str = "swim", duration: float = 10.0, *, 
             raise ParameterError(f"dt is {dt:g} s: {INTEGRATORS[method]} is stable for this body up to about {longest:.2g} s")
     elif method != ADAPTIVE and choose_steps(system, method, bound, position, velocity, FRAME) > _MOST_STEPS:
         raise BodyError(
-            f"stiffness, damping or pressure: the body needs more than {_MOST_STEPS * 60} steps a second: lower them, raise mass, "
-            "or widen needle-shaped chambers"
+            f"stiffness, damping or pressure: the body needs more than {_MOST_STEPS * 60} steps a second: lower them, raise "
+            "mass, or widen needle-shaped chambers"
         )
     cells, frames = len(position), len(time)
     track = np.empty((frames, cells, 2)), np.empty((frames, cells, 2))
@@ -134,7 +133,7 @@ def _method(scene, integrator, dt, tolerance):
     if scene == "walk" and (method != EULER or tolerance is not None):
         raise ParameterError("walk meets its ground by integrator euler alone, in steps that dt sets: leave out the others")
     if tolerance is not None and method != ADAPTIVE:
-        raise ParameterError(f"tolerance is for integrator adaptive, not {INTEGRATORS[method]}: give dt, or leave out the integrator")
+        raise ParameterError(f"tolerance is for integrator adaptive, not {INTEGRATORS[method]}: give dt, or no integrator")
     if dt is not None and method == ADAPTIVE:
         raise ParameterError("integrator adaptive chooses its own steps: give tolerance in place of dt")
     return method
@@ -149,38 +148,8 @@ def _frames(duration, dt, cells):
     count = max(1, int(np.ceil(duration / step * (1 - 1e-12))))
     if (count + 1) * cells > _MOST_VALUES:
         raise ParameterError(
-            f"{count + 1} frames of {cells} cells do not fit in memory: shorten the duration{', or give a longer dt' if dt else ''}"
+            f"{count + 1} frames of {cells} cells do not fit in memory: shorten the duration{', or lengthen dt' if dt else ''}"
         )
     time = np.arange(count + 1) * step
     time[-1] = duration
     return time
-
-
-@kernel
-def follow(system, method, bound, steps, finer, tolerance, h, time, first, last, position, velocity, work, track_p, track_v):
-    """Carry a state from frame to frame, in place, and keep every frame.
-
-    Args: steps: in a frame, unrepeated; 0: `finer` times as many as `choose_steps` says, doubled where unsound; h: first
-        adaptive step to try, 0: as RK4 would.
-
-    Returns: (outcome; the last sound frame; next adaptive step).
-    """
-    nothing = np.empty(0)
-    for k in range(first, last):
-        seconds = time[k + 1] - time[k]
-        if method == ADAPTIVE:
-            if h == 0.0:
-                h = seconds / choose_steps(system, RK4, bound, position, velocity, seconds)
-            outcome, h, _ = carry_adaptively(system, time[k], seconds, tolerance, h, position, velocity, work, nothing)
-            if outcome == SOUND:
-                outcome = is_sound(system, position, velocity, 0.0, work)
-        else:
-            count = steps if steps else finer * choose_steps(system, method, bound, position, velocity, seconds)
-            outcome, _ = carry_soundly(
-                system, method, time[k], seconds, count, 0 if steps else DOUBLINGS, position, velocity, work, nothing
-            )
-        if outcome != SOUND:
-            return outcome, k, h
-        track_p[k + 1] = position
-        track_v[k + 1] = velocity
-    return SOUND, last, h

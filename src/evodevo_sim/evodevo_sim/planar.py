@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 _CLOSE = 1e-9  # of the extent of a body, that counts as no distance
 _ROWS = 256  # springs compared with all others at a time
@@ -15,6 +14,8 @@ def _extent(position) -> float:
 
 def coincident(position) -> tuple[int, int] | None:
     """Two cells at one point, the first such pair."""
+    from scipy.spatial import cKDTree  # a third of a second that others need not wait
+
     pairs = cKDTree(position).query_pairs(_CLOSE * _extent(position), output_type="ndarray")
     return tuple(min(pairs.tolist())) if len(pairs) else None
 
@@ -58,14 +59,18 @@ def crossing(position, edges) -> tuple[int, int | None, int | None] | None:
         if through.any():
             s, cell = np.argwhere(through)[0].tolist()
             return first + s, None, cell
-        side = lambda p, q, r: (q[..., 0] - p[..., 0]) * (r[..., 1] - p[..., 1]) - (q[..., 1] - p[..., 1]) * (r[..., 0] - p[..., 0])  # noqa: E731
-        p, q = a[rows, None], b[rows, None]
-        crosses = (side(p, q, a[None]) * side(p, q, b[None]) < 0) & (side(a[None], b[None], p) * side(a[None], b[None], q) < 0)
+        p, q, a_, b_ = a[rows, None], b[rows, None], a[None], b[None]
+        crosses = (_side(p, q, a_) * _side(p, q, b_) < 0) & (_side(a_, b_, p) * _side(a_, b_, q) < 0)
         crosses &= ~(edges[rows, None, :, None] == edges[None, :, None, :]).any((-1, -2))
         if crosses.any():
             s, other = sorted((first + np.argwhere(crosses)[0, 0], np.argwhere(crosses)[0, 1]))
             return int(s), int(other), None
     return None
+
+
+def _side(p, q, r):
+    """Twice the area of the triangles p, q, r, positive where r lies to the left."""
+    return (q[..., 0] - p[..., 0]) * (r[..., 1] - p[..., 1]) - (q[..., 1] - p[..., 1]) * (r[..., 0] - p[..., 0])
 
 
 def faces_of(body, rows):
