@@ -2,7 +2,7 @@
 
 import numpy as np
 from evodevo_sim import Genome, random_genome
-from evodevo_sim.genome import HEADER, HEADER_NAMES, REGULATORY, SPECIAL
+from evodevo_sim.genome import HEADER, HEADER_NAMES, REGULATORY, SPECIAL, TRANSCRIPTION_FACTOR
 from hypothesis import strategies as st
 
 FAR = 1000.0  # farther than any affinity reaches
@@ -36,6 +36,20 @@ def dividing():
 def unit(cis, products):
     """A unit of cis points [(sign, x, y)] and products [(kind, sign, x, y)]."""
     return [(REGULATORY, *point) for point in cis] + list(products)
+
+
+def pulsing():
+    """A genome that fills its limit of cells and whose muscles beat for ever: a ring of five repressors, with a maternal gradient
+    so that not all cells do alike."""
+    place = [(0.0, FAR * (i + 1)) for i in range(5)]
+    ring = [
+        unit([(1, 0.02 * i, 0.0), (-1, *place[i - 1])], [(TRANSCRIPTION_FACTOR, 1, *place[i])]) for i in range(5)
+    ]
+    special = {
+        "constant": (1, 0.0, 0.0), "division": (1, 0.0, 0.0), "contraction": (1, 0.5, FAR), "expansion": (1, 0.5, 3 * FAR),
+        "maternal_x": (-1, 1.5, FAR),
+    }
+    return hand_made(special, ring)
 
 
 def first_viable(count, start=0):
