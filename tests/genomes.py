@@ -33,6 +33,11 @@ def dividing():
     return hand_made({"constant": (1, 0.0, 0.0), "division": (1, 0.0, 0.0)})
 
 
+def beating():
+    """One of the few random genomes that oscillate; it grows to its limit of cells."""
+    return random_genome(np.random.default_rng(663))
+
+
 def unit(cis, products):
     """A unit of cis points [(sign, x, y)] and products [(kind, sign, x, y)]."""
     return [(REGULATORY, *point) for point in cis] + list(products)
@@ -42,14 +47,23 @@ def pulsing():
     """A genome that fills its limit of cells and whose muscles beat for ever: a ring of five repressors, with a maternal gradient
     so that not all cells do alike."""
     place = [(0.0, FAR * (i + 1)) for i in range(5)]
-    ring = [
+    units = [
         unit([(1, 0.02 * i, 0.0), (-1, *place[i - 1])], [(TRANSCRIPTION_FACTOR, 1, *place[i])]) for i in range(5)
     ]
     special = {
         "constant": (1, 0.0, 0.0), "division": (1, 0.0, 0.0), "contraction": (1, 0.5, FAR), "expansion": (1, 0.5, 3 * FAR),
         "maternal_x": (-1, 1.5, FAR),
     }
-    return hand_made(special, ring)
+    return hand_made(special, units)
+
+
+def ring():
+    """A ring of three units, each held down by the one before; the first drives expansion, in all cells alike."""
+    at = [(-FAR, FAR * k) for k in range(3)]
+    units = [
+        unit([(1, offset, 0.0), (-1, *at[k - 1])], [(TRANSCRIPTION_FACTOR, 1, *at[k])]) for k, offset in enumerate((0.05, 0.1, 0.15))
+    ]
+    return hand_made({"constant": (1, 0.0, 0.0), "division": (1, 0.0, 0.0), "expansion": (1, *at[0])}, units)
 
 
 def first_viable(count, start=0):

@@ -4,20 +4,10 @@ import numpy as np
 import pytest
 from evodevo_sim import Development, Status, Task, evaluate
 from evodevo_sim.evaluation import _score
-from evodevo_sim.genome import TRANSCRIPTION_FACTOR
 from evodevo_sim.swim import Swim
-from genomes import FAR, dividing, hand_made, unit
+from genomes import dividing, ring
 
 TASK = Task(control_steps=400, development=Development(max_cells=12))
-
-
-def ring():
-    """A ring of three units, each held down by the one before; the first drives expansion, in all cells alike."""
-    at = [(-FAR, FAR * k) for k in range(3)]
-    units = [
-        unit([(1, offset, 0.0), (-1, *at[k - 1])], [(TRANSCRIPTION_FACTOR, 1, *at[k])]) for k, offset in enumerate((0.05, 0.1, 0.15))
-    ]
-    return hand_made({"constant": (1, 0.0, 0.0), "division": (1, 0.0, 0.0), "expansion": (1, *at[0])}, units)
 
 
 def test_a_network_that_oscillates_earns_the_bonus_of_all_its_cells():

@@ -14,7 +14,7 @@ from evodevo_sim.messages import evaluation_from_message, genome_message, task_m
 from evodevo_sim.nodes.common import stay_on_this_host
 from evodevo_sim.nodes.simulator import LATCHED
 from evodevo_sim.parameters import with_settings
-from genomes import dividing, first_viable, hand_made
+from genomes import beating, dividing, first_viable, hand_made
 from geometry_msgs.msg import PoseStamped
 from lab import DEADLINE, Operator, simulators
 from rclpy.qos import qos_profile_sensor_data
@@ -179,7 +179,7 @@ def test_a_signal_ends_it_in_good_order_even_in_a_long_batch(number):
         client = operator.node.create_client(Evaluate, f"{namespace}/evaluate")
         operator.until(client.service_is_ready)
         long = task_message(with_settings(TASK, {"control_steps": 1_000_000}))
-        future = client.call_async(Evaluate.Request(task=long, genomes=[genome_message(g) for g in first_viable(4)]))
+        future = client.call_async(Evaluate.Request(task=long, genomes=[genome_message(beating())] * 4))
         for _ in range(5):
             operator.executor.spin_once(timeout_sec=0.05)
         assert not future.done()

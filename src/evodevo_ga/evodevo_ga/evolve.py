@@ -24,7 +24,8 @@ from .messages import champion_message, evolution_message, statistics_message
 
 _DISCOVERY = 2.5  # s from the node's start in which simulators on the graph are found
 _MORE = 0.5  # s to wait for another one after each
-_START = 60.0  # s for a simulator to answer
+_ANSWER = 5.0  # s for a simulator of the graph to answer; one that was killed is listed for a while
+_START = 60.0  # s for one of our own to start
 
 
 class _Stop:
@@ -89,12 +90,12 @@ class _Run:
         services = [] if self.options.simulators else self._find()
         if services:
             print(f"Evolving on {len(services)} simulators of the graph: {', '.join(services)}; recording to {self.options.out}", flush=True)
-            self._evolve(Fleet(self.node, self.executor, services))
+            self._evolve(Fleet(self.node, self.executor, services), _ANSWER)
         else:
             count = self.options.simulators or cores()
             with OwnSimulators(count, self.options.out / "simulators.log") as own:
                 print(f"Evolving on {count} simulators of our own; recording to {self.options.out}", flush=True)
-                self._evolve(Fleet(self.node, self.executor, own.services), own.alive)
+                self._evolve(Fleet(self.node, self.executor, own.services), _START, own.alive)
 
     def _find(self) -> list[str]:
         """The simulators on the graph.  Discovery goes on in threads of its own since the node began, also while we compiled."""
@@ -106,10 +107,10 @@ class _Run:
             self.executor.spin_once(timeout_sec=0.05)
         return found
 
-    def _evolve(self, fleet: Fleet, alive=lambda: True) -> None:
+    def _evolve(self, fleet: Fleet, seconds: float, alive=lambda: True) -> None:
         o = self.options
         self.recorder.write("evolution/settings", evolution_message(o.settings, o.task, o.seed), time.time_ns(), latched=True)
-        fleet.wait(_START, alive, self.stop)
+        fleet.wait(seconds, alive, self.stop)
         bar = tqdm(total=o.settings.generations, unit="gen", disable=o.quiet, mininterval=0.1 if sys.stderr.isatty() else 5.0)
         with bar:
             while not (self.evolution.finished or self.stop()):

@@ -57,12 +57,19 @@ class Fleet:
         return len(self._servers)
 
     def wait(self, seconds: float, alive=lambda: True, stop=lambda: False) -> None:
-        """Wait until every service answers, or `stop()`.  Raises FleetError when one does not, or `alive()` says that it cannot."""
+        """Wait until every service answers, or `stop()`; those that do not in time are dropped.
+
+        Raises FleetError when none answers, or when `alive()` says that one cannot.
+        """
         deadline = time.monotonic() + seconds
-        for server in self._servers:
-            while not (stop() or server.wait_for_service(timeout_sec=0.05)):
-                if time.monotonic() > deadline or not alive():
-                    raise FleetError(f"simulator {server.srv_name} does not answer: run `ros2 run evodevo_sim simulator` to see why")
+        while not stop() and (silent := [server for server in self._servers if not server.service_is_ready()]):
+            if not alive():
+                raise FleetError("a simulator ended at once: run `ros2 run evodevo_sim simulator` to see why")
+            if time.monotonic() > deadline:
+                for server in silent:
+                    self._drop(server, "it does not answer")
+            else:
+                silent[0].wait_for_service(timeout_sec=0.05)
 
     def evaluate(self, genomes: list[Genome], task: Task, seed: int, stop=lambda: False) -> list[Evaluation] | None:
         """Evaluate genomes in order; None when `stop()` said to stop.
