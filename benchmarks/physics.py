@@ -3,7 +3,8 @@
     python benchmarks/physics.py [--quick] [--out DIR]
 
 Error: root mean square over cells of the distance, in cell diameters, from DOP853 at 1e-12 on the same right-hand side after the
-same muscles.  Work: force evaluations (the same on every machine) and time (best of rounds that take turns).  Writes work_precision.csv and work_precision.png.
+same muscles.  Work: force evaluations (the same on every machine) and time (best of rounds that take turns).
+Writes work_precision.csv and work_precision.png.
 """
 
 from __future__ import annotations

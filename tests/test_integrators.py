@@ -272,7 +272,8 @@ def test_nan_is_unstable(method):
     system = make_system(slab(3, 2), LAW)
     velocity = np.zeros((2, 6))
     velocity[1, 2] = np.nan
-    outcome, steps = carry_soundly(system, method, 0.0, STEP, 2, 1, system.body.position.T.copy(), velocity, make_work(system.body), NO_LEDGER)
+    position, work = system.body.position.T.copy(), make_work(system.body)
+    outcome, steps = carry_soundly(system, method, 0.0, STEP, 2, 1, position, velocity, work, NO_LEDGER)
     assert (outcome, steps) == (UNSTABLE, 4)
 
 

@@ -6,7 +6,7 @@ import json
 import numpy as np
 import pytest
 import yaml
-from evodevo_sim import BodyError, load_body, make_own_body, simulate_body
+from evodevo_sim import load_body, make_own_body, simulate_body
 from evodevo_sim.energy import stored_energy
 from evodevo_sim.recording import read_recording
 from evodevo_sim.simulate import main

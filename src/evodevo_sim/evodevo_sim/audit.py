@@ -103,7 +103,8 @@ def _run(name, performance: Performance | None, first: Performance, task: Task, 
 def _score_path(evaluation: Evaluation, activation, path, task: Task) -> Evaluation:
     """The evaluation of the same muscles on another path."""
     m = evaluation.metrics
-    return _score(Swim(OK, -1, path, m.activation_amplitude, _active(activation, task), m.substeps, m.cells, m.springs, m.chambers), task)
+    active = _active(activation, task)
+    return _score(Swim(OK, -1, path, m.activation_amplitude, active, m.substeps, m.cells, m.springs, m.chambers), task)
 
 
 def _active(activation, task: Task) -> float:

@@ -253,7 +253,9 @@ def _with_chambers(body, given, edges):
         shared = shared_side(body.position, rows)
         if shared is not None:
             c, other, a, b = shared
-            raise BodyError(f"chambers[{c}] and chambers[{other}] lie on the same side of the spring from cell {a} to cell {b}: remove one")
+            raise BodyError(
+                f"chambers[{c}] and chambers[{other}] lie on the same side of the spring from cell {a} to cell {b}: remove one of them"
+            )
         body = faces_of(body, rows)
     least = 1e-6 * np.ptp(body.position, axis=0).max() ** 2 / len(body.position)
     for number, area in enumerate((*body.triangle_area, *body.polygon_area)):
