@@ -77,7 +77,7 @@ def measure(genome, task, repeats):
     grow = seconds(lambda: develop(genes, development, continual, given, *NOBODY), repeats).min()
 
     def be_born():
-        return birth(genes, development, continual, material, scene, given, task.control_step)[1]
+        return birth(genes, development, continual, material, scene, given, task.control_step, 1)[1]
 
     born = seconds(be_born, repeats).min()
     life = be_born()

@@ -43,6 +43,20 @@ def unit(cis, products):
     return [(REGULATORY, *point) for point in cis] + list(products)
 
 
+def pulsing():
+    """A genome that fills its limit of cells and whose muscles beat for ever: a ring of five repressors, with a maternal gradient
+    so that not all cells do alike."""
+    place = [(0.0, FAR * (i + 1)) for i in range(5)]
+    units = [
+        unit([(1, 0.02 * i, 0.0), (-1, *place[i - 1])], [(TRANSCRIPTION_FACTOR, 1, *place[i])]) for i in range(5)
+    ]
+    special = {
+        "constant": (1, 0.0, 0.0), "division": (1, 0.0, 0.0), "contraction": (1, 0.5, FAR), "expansion": (1, 0.5, 3 * FAR),
+        "maternal_x": (-1, 1.5, FAR),
+    }
+    return hand_made(special, units)
+
+
 def ring():
     """A ring of three units, each held down by the one before; the first drives expansion, in all cells alike."""
     at = [(-FAR, FAR * k) for k in range(3)]

@@ -110,10 +110,10 @@ def test_cells_stay_within_half_a_percent_of_a_diameter_of_a_run_with_eight_time
     genome, _, development, continual, material, scene, given = _arguments(beating(), Task())
     steps, control_step = 1000, Task().control_step
     performance = perform(beating(), Task(control_steps=steps))
-    _, life = birth(genome, development, continual, material, scene, given, control_step)
+    _, life = birth(genome, development, continual, material, scene, given, control_step, 8)
     position, velocity = life.position.copy(), life.velocity.copy()
     for activation in performance.activation[1:]:
         set_rest_lengths(life.body, np.ascontiguousarray(activation), life.rest)
-        assert advance(life.body, life.law, life.rest, position, velocity, control_step, 8 * life.substeps, life.scratch) == SOUND
+        assert advance(life.body, life.law, life.rest, position, velocity, control_step, life.substeps, life.scratch) == SOUND
     error = performance.position[-1] - position.T
     assert np.sqrt((error**2).sum(axis=1).mean()) < 5e-3

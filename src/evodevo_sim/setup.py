@@ -21,6 +21,8 @@ setup(
     entry_points={
         "console_scripts": [
             "simulator = evodevo_sim.nodes.simulator:main",
+            "audit = evodevo_sim.audit_command:main",
+            "simulate = evodevo_sim.simulate:main",
             "replay = evodevo_sim.replay.cli:main",
         ],
     },

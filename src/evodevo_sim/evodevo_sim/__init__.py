@@ -4,14 +4,17 @@
     evaluation = evaluate(load_genome("champion.yaml"))
 """
 
+from .body_file import BodyError, OwnBody, load_body, make_own_body
 from .evaluation import Evaluation, Metrics, Performance, Status, evaluate, perform
 from .genome import Genome, GenomeError, random_genome
 from .genome_file import load_genome, parse_genome, save_genome
+from .motion import Motion, simulate_body
 from .parameters import Development, Material, ParameterError, Scene, Task
 
 __version__ = "0.1.0"
 
 __all__ = [
-    "Development", "Evaluation", "Genome", "GenomeError", "Material", "Metrics", "ParameterError", "Performance", "Scene",
-    "Status", "Task", "evaluate", "load_genome", "parse_genome", "perform", "random_genome", "save_genome",
+    "BodyError", "Development", "Evaluation", "Genome", "GenomeError", "Material", "Metrics", "Motion", "OwnBody",
+    "ParameterError", "Performance", "Scene", "Status", "Task", "evaluate", "load_body", "load_genome", "make_own_body",
+    "parse_genome", "perform", "random_genome", "save_genome", "simulate_body",
 ]

@@ -103,7 +103,7 @@ def evaluate(genome: Genome, task: Task = Task(), seed: int = 0) -> Evaluation:
         task: what for.
         seed: of whatever the task draws at random; swimming draws nothing.
     """
-    return _score(swim(*_arguments(genome, task), np.empty((0, 0, 0)), np.empty((0, 0))), task)
+    return _score(swim(*_arguments(genome, task), 1, np.empty((0, 0, 0)), np.empty((0, 0))), task)
 
 
 def _score(result, task: Task) -> Evaluation:
@@ -143,8 +143,8 @@ def invalid(cause: str) -> Evaluation:
     return Evaluation(_FAILURE[Status.INVALID_GENOME][0], Status.INVALID_GENOME, cause, Metrics())
 
 
-def perform(genome: Genome, task: Task = Task(), seed: int = 0) -> Performance:
-    """Evaluate a genome with everything kept, to record, draw or analyse."""
+def perform(genome: Genome, task: Task = Task(), seed: int = 0, finer: int = 1) -> Performance:
+    """Evaluate a genome with everything kept, to record, draw or analyse.  Args: finer: times as many substeps, for an audit."""
     arguments = _arguments(genome, task)
     development = task.development
     shape = (development.steps + 1, development.max_cells)
@@ -159,7 +159,7 @@ def perform(genome: Genome, task: Task = Task(), seed: int = 0) -> Performance:
         body = build_body(embryo.position, embryo.edges, embryo.start, embryo.neighbour, task.material.mass)
     track = np.full((task.control_steps + 1, cells, 4), np.nan)
     traces = np.full((task.control_steps + 1, cells), np.nan)
-    evaluation = _score(swim(*arguments, track, traces), task)
+    evaluation = _score(swim(*arguments, finer, track, traces), task)
     return Performance(
         evaluation=evaluation,
         growth=growth[:, :cells],

@@ -45,7 +45,7 @@ class Animat:
     def reset(self) -> None:
         """Back to birth.  The target stays."""
         genome, task, *others = _arguments(self.genome, self.task)
-        status, self._life = birth(genome, *others, task.control_step)
+        status, self._life = birth(genome, *others, task.control_step, 1)
         self.status = Status(status)
         if self.status != Status.OK:
             raise NotViable(self.cause)

@@ -65,8 +65,10 @@ def develop(genome, development, continual, given_inputs, history, activations, 
 
 
 @kernel
-def birth(genome, development, continual, material, scene, given_inputs, control_step):
+def birth(genome, development, continual, material, scene, given_inputs, control_step, finer):
     """Grow a genome and bring its body to rest with the muscles where its network holds them.
+
+    Args: finer: times as many substeps as are stable; 1 but for an audit.
 
     Returns: (OK, NO_GROWTH or NO_CHAMBER; Life, which moves only if OK).
     """
@@ -87,7 +89,7 @@ def birth(genome, development, continual, material, scene, given_inputs, control
         body, law, network, units, embryo.table, past, embryo.delay, embryo.start, embryo.neighbour, embryo.steps,
         np.empty((network.nodes.size, cells)), np.empty((cells, 4)), np.empty(cells), np.empty(body.rest_length.size),
         body.position.T.copy(), np.zeros((2, cells)), make_scratch(body),
-        choose_substeps(body, law, control_step) if status == OK else 0,
+        finer * choose_substeps(body, law, control_step) if status == OK else 0,
     )
     if status == OK:
         for i in range(cells):
@@ -148,17 +150,17 @@ def live(life, step, until, seconds, development, continual, range_of_muscle, tr
 
 
 @kernel
-def swim(genome, task, development, continual, material, scene, given_inputs, track, traces):
+def swim(genome, task, development, continual, material, scene, given_inputs, finer, track, traces):
     """Evaluate a genome: growth and the whole swim in one call.
 
     Args:
-        genome: (kind, sign, x, y); the others: arguments of the parameter classes.
+        genome: (kind, sign, x, y); finer: see `birth`; the others: arguments of the parameter classes.
         track: (control_steps + 1, max_cells, 4) for x, y, vx, vy of every cell, or empty; traces: the same of e - c.
 
     Returns: Swim.
     """
     path = np.zeros((task.windows + 1, 2))
-    status, life = birth(genome, development, continual, material, scene, given_inputs, task.control_step)
+    status, life = birth(genome, development, continual, material, scene, given_inputs, task.control_step, finer)
     body, position, muscle = life.body, life.position, life.muscle
     cells, springs = muscle.size, body.rest_length.size
     chambers = body.triangle_area.size + body.polygon_area.size

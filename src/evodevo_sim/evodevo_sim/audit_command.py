@@ -1,0 +1,90 @@
+"""`ros2 run evodevo_sim audit GENOME|BAG`: says whether a champion's fitness stands."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from .audit import MOST_CHANGE, Audit, audit
+from .command_line import Parser
+from .energy import LEDGER
+from .genome import Genome, GenomeError
+from .genome_file import load_genome
+from .messages import genome_from_message, task_from_message
+from .nodes.common import without_ros
+from .parameters import ParameterError, Task, with_settings
+from .recording import RecordingError, read_recording
+
+_EPILOG = """\
+examples:
+  ros2 run evodevo_sim audit bags/RUN
+      the last champion of a run, in the task that it was evolved for
+  ros2 run evodevo_sim audit champion.yaml --set development.max_cells=64
+
+Three runs: as evolved; in steps 8 times as fine; by an adaptive method of order 5 with the same muscles. The fitness stands if it
+changes by no more than --within and if the energy that muscles put in is found again: in drag, damping and what is stored.
+Exit code: 0 it stands, 1 it does not, 2 bad input.
+"""
+
+
+def main(arguments: list[str] | None = None) -> int:
+    parser = Parser("audit", "Repeat a champion in finer steps and by a better method.", _EPILOG)
+    parser.add_argument("source", metavar="GENOME|BAG", help="a genome file, or the recording of a run")
+    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="for a genome: a number of its task")
+    parser.add_argument(
+        "--within", type=float, default=MOST_CHANGE, metavar="X", help="change that still stands, relative (default %(default)s)"
+    )
+    given = parser.parse_args(without_ros(parser, sys.argv[1:] if arguments is None else arguments))
+    try:
+        if not 0.0 < given.within <= 1.0:
+            raise ParameterError(f"--within is {given.within!r}: give a number above 0, up to 1")
+        genome, task, seed, recorded = _champion(given)
+        result = audit(genome, task, seed, given.within)
+    except (GenomeError, ParameterError, RecordingError) as error:
+        parser.exit(2, f"{parser.prog}: {error}\n")
+    faults = list(result.faults)
+    if recorded is not None and recorded != result.evaluation.fitness:
+        now = result.evaluation.fitness
+        faults.insert(0, f"recorded was {recorded:.6g}, here it is {now:.6g}: another version or machine made it")
+    print(table(result))
+    print("The fitness stands." if not faults else "The fitness does not stand:\n" + "\n".join(f"  {fault}" for fault in faults))
+    return 1 if faults else 0
+
+
+def _champion(given) -> tuple[Genome, Task, int, float | None]:
+    """(genome, task, seed, recorded fitness or None)."""
+    path = Path(given.source)
+    if not path.is_dir() and path.suffix != ".mcap":
+        return load_genome(path), with_settings(Task(), _pairs(given.set)), 0, None
+    if given.set:
+        raise ParameterError("--set is for a genome file: a recording names its own task")
+    recording = read_recording(path)
+    if recording.settings is None or not recording.champions:
+        raise RecordingError(f"{path} holds no champion: give a run of evolve, or a genome file")
+    champion = recording.champions[-1]
+    return (
+        genome_from_message(champion.genome), task_from_message(recording.settings.task), recording.settings.seed,
+        champion.evaluation.fitness,
+    )
+
+
+def _pairs(items):
+    pairs = dict(item.partition("=")[::2] for item in items)
+    for name, value in pairs.items():
+        if not value:
+            raise ParameterError(f"--set {name}: give NAME=VALUE, e.g. development.max_cells=64")
+    return pairs
+
+
+def table(result: Audit) -> str:
+    """The runs of an audit, a line each."""
+    rows = [("", "fitness m", "change", *(f"{name} J" for name in LEDGER[:3]), "unexplained", "least S/S0")]
+    for run in result.runs:
+        work = (f"{value:.4g}" for value in run.ledger[:3])
+        rows.append((run.name, f"{run.fitness:.6g}", f"{run.change:+.2e}", *work, f"{run.gap:.1e}", f"{run.chamber:.3f}"))
+    widths = [max(map(len, column)) for column in zip(*rows)]
+    return "\n".join("  ".join(f"{cell:>{width}}" for cell, width in zip(row, widths)) for row in rows)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,120 @@
+"""What makes a set of cells and springs a planar body, checked where somebody else made it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+_CLOSE = 1e-9  # of the extent of a body, that counts as no distance
+_ROWS = 256  # springs compared with all others at a time
+
+
+def _extent(position) -> float:
+    return float(np.ptp(position, axis=0).max()) or 1.0
+
+
+def coincident(position) -> tuple[int, int] | None:
+    """Two cells at one point, the first such pair."""
+    from scipy.spatial import cKDTree  # a third of a second that others need not wait
+
+    pairs = cKDTree(position).query_pairs(_CLOSE * _extent(position), output_type="ndarray")
+    return tuple(min(pairs.tolist())) if len(pairs) else None
+
+
+def collinear(position) -> bool:
+    """Whether all cells lie on one line."""
+    centred = position - position.mean(0)
+    return len(position) < 3 or float(np.linalg.svd(centred, compute_uv=False)[1]) < _CLOSE * _extent(position)
+
+
+def unreachable(edges, cells) -> int | None:
+    """The first cell that no path of springs joins to cell 0."""
+    root = list(range(cells))
+
+    def find(i):
+        while root[i] != i:
+            root[i] = root[root[i]]
+            i = root[i]
+        return i
+
+    for a, b in edges.tolist():
+        a, b = find(a), find(b)
+        root[max(a, b)] = min(a, b)
+    return next((i for i in range(cells) if find(i) != 0), None)
+
+
+def crossing(position, edges) -> tuple[int, int | None, int | None] | None:
+    """The first fault of springs (E, 2): (s, other, None) where two cross, (s, None, cell) where one runs through a cell."""
+    a, b = position[edges[:, 0]], position[edges[:, 1]]
+    near = _CLOSE * _extent(position)
+    for first in range(0, len(edges), _ROWS):
+        rows = slice(first, first + _ROWS)
+        d = (b - a)[rows, None]
+        length = np.hypot(d[..., 0], d[..., 1])
+        inner = position[None] - a[rows, None]
+        share = (inner * d).sum(-1) / length**2
+        off = np.abs(d[..., 0] * inner[..., 1] - d[..., 1] * inner[..., 0]) / length
+        through = (off < near) & (share > 0) & (share < 1)
+        cells = np.arange(len(position))[None]
+        through &= (cells != edges[rows, :1]) & (cells != edges[rows, 1:])
+        if through.any():
+            s, cell = np.argwhere(through)[0].tolist()
+            return first + s, None, cell
+        p, q, a_, b_ = a[rows, None], b[rows, None], a[None], b[None]
+        crosses = (_side(p, q, a_) * _side(p, q, b_) < 0) & (_side(a_, b_, p) * _side(a_, b_, q) < 0)
+        crosses &= ~(edges[rows, None, :, None] == edges[None, :, None, :]).any((-1, -2))
+        if crosses.any():
+            s, other = sorted((first + np.argwhere(crosses)[0, 0], np.argwhere(crosses)[0, 1]))
+            return int(s), int(other), None
+    return None
+
+
+def _side(p, q, r):
+    """Twice the area of the triangles p, q, r, positive where r lies to the left."""
+    return (q[..., 0] - p[..., 0]) * (r[..., 1] - p[..., 1]) - (q[..., 1] - p[..., 1]) * (r[..., 0] - p[..., 0])
+
+
+def _area(position, row):
+    """Signed, positive where the walk goes counter-clockwise."""
+    x, y = position[row].T
+    return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
+
+
+def _counter_clockwise(position, row):
+    return row if _area(position, row) > 0 else row[::-1]
+
+
+def shared_side(position, rows) -> tuple[int, int, int, int] | None:
+    """The first two cycles of cells that lie on the same side of a spring: (cycle, earlier one, both cells of the spring)."""
+    seen: dict[tuple[int, int], int] = {}
+    for c, row in enumerate(rows):
+        row = _counter_clockwise(position, row)
+        for side in zip(row, row[1:] + row[:1]):
+            if side in seen:
+                return c, seen[side], *side
+            seen[side] = c
+    return None
+
+
+def faces_of(body, rows):
+    """A body whose chambers are these cycles of cells alone, turned counter-clockwise, no two on the same side of a spring."""
+    rows = sorted((_counter_clockwise(body.position, row) for row in rows), key=lambda row: len(row) > 3)  # triangles first
+    polygons = [row for row in rows if len(row) > 3]
+    areas = np.array([_area(body.position, row) for row in rows], np.float64)
+    triangles = len(rows) - len(polygons)
+    spring = {pair: e for e, pair in enumerate(zip(body.spring_a.tolist(), body.spring_b.tolist()))}
+    left, right = (np.full(len(spring), len(rows), np.uint32) for _ in range(2))
+    for chamber, row in enumerate(rows):
+        for a, b in zip(row, row[1:] + row[:1]):
+            if a < b:
+                left[spring[a, b]] = chamber
+            else:
+                right[spring[b, a]] = chamber
+    return body._replace(
+        spring_left=left,
+        spring_right=right,
+        triangle=np.array(rows[:triangles], np.uint32).reshape(-1, 3),
+        triangle_area=areas[:triangles].copy(),
+        polygon_start=np.cumsum([0, *map(len, polygons)]).astype(np.uint32),
+        polygon_cell=np.array([cell for row in polygons for cell in row], np.uint32),
+        polygon_area=areas[triangles:].copy(),
+    )

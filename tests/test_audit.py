@@ -1,0 +1,93 @@
+"""Audits: a sound fitness stands, one that the step made up does not, and every bad input is one line."""
+
+import time
+
+import numpy as np
+import pytest
+from evodevo_sim import Task, evaluate, perform, save_genome
+from evodevo_sim.audit import audit
+from evodevo_sim.audit_command import main
+from evodevo_sim.parameters import with_settings
+from evodevo_sim.recording import Recorder
+from genomes import pulsing
+
+SHORT = {"control_steps": 400}
+
+
+@pytest.fixture(scope="module")
+def genome():
+    return pulsing()
+
+
+def test_a_finer_run_differs_in_its_steps_alone(genome):
+    task = with_settings(Task(), SHORT)
+    coarse, fine = perform(genome, task), perform(genome, task, finer=8)
+    assert fine.evaluation.metrics.substeps == 8 * coarse.evaluation.metrics.substeps
+    assert coarse.evaluation == evaluate(genome, task)
+    assert np.array_equal(coarse.activation, fine.activation)
+    assert np.abs(coarse.position - fine.position).max() < 0.02
+
+
+def test_the_fitness_of_a_sound_genome_stands(genome):
+    result = audit(genome, with_settings(Task(), SHORT))
+    assert result.stands, result.faults
+    assert [run.name for run in result.runs] == ["as evolved", "8 x finer", "order 5, adaptive"]
+    assert result.evaluation.fitness > 0.5 and 0 < abs(result.runs[2].change) < 1e-3
+    assert result.runs[2].fitness == pytest.approx(result.runs[1].fitness, rel=1e-6)  # scored from muscles and path by itself
+    assert [run.gap < most for run, most in zip(result.runs, (1e-3, 1e-6, 1e-9))] == [True] * 3
+
+
+def test_a_fitness_that_changes_more_than_asked_does_not_stand(genome):
+    task = with_settings(Task(), {**SHORT, "control_step": 0.05, "material.damping": 0.0})
+    result = audit(genome, task, most_change=1e-6)
+    assert not result.stands and len(result.faults) == 2
+    assert result.faults[0].startswith("8 x finer: fitness changes by ")
+
+
+def test_energy_that_nobody_put_in_does_not_stand(genome, monkeypatch):
+    import evodevo_sim.audit
+
+    monkeypatch.setattr(evodevo_sim.audit, "MOST_GAP", 1e-4)  # of the 4e-4 that two steps of RK4 in a control step lose
+    result = audit(genome, with_settings(Task(), SHORT))
+    assert len(result.faults) == 1 and "of the energy is unexplained" in result.faults[0]
+
+
+def test_what_fails_as_evolved_does_not_stand():
+    from evodevo_sim import random_genome
+
+    result = audit(random_genome(np.random.default_rng(0), 1))
+    assert not result.stands and "as evolved" in result.faults[0]
+
+
+def test_the_command_audits_a_file_and_a_recording(genome, tmp_path, capsys):
+    from evodevo_ga.evolution import Individual, Settings
+    from evodevo_ga.messages import champion_message, evolution_message
+
+    save_genome(tmp_path / "a.yaml", genome)
+    assert main([str(tmp_path / "a.yaml"), "--set", "control_steps=400"]) == 0
+    said = capsys.readouterr().out
+    assert said.count("\n") == 5 and said.endswith("The fitness stands.\n")
+
+    task = with_settings(Task(), SHORT)
+    with Recorder(tmp_path / "run") as recorder:
+        now = time.time_ns()
+        recorder.write("evolution/settings", evolution_message(Settings(), task, 1), now, latched=True)
+        recorder.write("evolution/champion", champion_message(0, Individual(genome, evaluate(genome, task)), 0.0), now)
+    assert main([str(tmp_path / "run")]) == 0
+    assert "The fitness stands." in capsys.readouterr().out
+
+
+def test_bad_input_is_one_line(genome, tmp_path, capsys):
+    save_genome(tmp_path / "a.yaml", genome)
+    (tmp_path / "b.yaml").write_text("position: []")
+    a = str(tmp_path / "a.yaml")
+    for arguments, says in (
+        ([str(tmp_path / "none.yaml")], "No such file"), ([str(tmp_path / "b.yaml")], "not a genome file"),
+        ([str(tmp_path)], "holds no .mcap file"), ([a, "--within", "nan"], "--within is nan"),
+        ([a, "--set", "control_step=0"], "task.control_step is 0.0"),
+        ([str(tmp_path), "--set", "control_steps=4"], "names its own task"),
+    ):
+        with pytest.raises(SystemExit) as raised:
+            main(arguments)
+        said = capsys.readouterr().err
+        assert raised.value.code == 2 and says in said and said.count("\n") == 1
