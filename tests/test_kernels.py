@@ -13,7 +13,7 @@ from evodevo_sim import _jit
 PACKAGE = Path(evodevo_sim.__file__).parent
 SCRIPT = """
 from evodevo_sim import _jit
-before = _jit.is_compiled()
+before = _jit.is_compiled("regulation.affinity")
 from evodevo_sim.gabriel import gabriel_graph
 from evodevo_sim.regulation import affinity
 import numpy as np

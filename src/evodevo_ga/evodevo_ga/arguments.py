@@ -8,7 +8,7 @@ from datetime import datetime
 from pathlib import Path
 
 from evodevo_sim import ParameterError, Task
-from evodevo_sim.command_line import Parser
+from evodevo_sim.command_line import Parser, pairs
 from evodevo_sim.nodes.common import without_ros
 from evodevo_sim.parameters import TASKS, with_settings
 
@@ -60,7 +60,7 @@ def parse(arguments: list[str]) -> Options:
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="set a number of the model, e.g. material.stiffness=300")
     given = parser.parse_args(without_ros(parser, arguments))
     try:
-        task = with_settings(Task(), {"name": given.task, "development.max_cells": given.cells, **_pairs(given.set)})
+        task = with_settings(Task(), {"name": given.task, "development.max_cells": given.cells, **pairs(given.set)})
         settings = Settings(**{field.name: getattr(given, field.name) for field in dataclasses.fields(Settings)})
     except ParameterError as error:
         parser.error(str(error))
@@ -70,14 +70,6 @@ def parse(arguments: list[str]) -> Options:
         parser.error(f"--simulators is {given.simulators}: give 1 to 256")
     out = Path(given.out or f"bags/{task.name}-{datetime.now():%Y%m%d-%H%M%S}")
     return Options(task, settings, given.seed, out, given.simulators, given.quiet)
-
-
-def _pairs(items: list[str]) -> dict[str, str]:
-    pairs = dict(item.partition("=")[::2] for item in items)
-    for name, value in pairs.items():
-        if not value:
-            raise ParameterError(f"--set {name}: give NAME=VALUE, e.g. material.stiffness=300")
-    return pairs
 
 
 def cores() -> int:

@@ -66,9 +66,9 @@ def lean(function):
     return kernel(function, _nrt=False)
 
 
-def is_compiled() -> bool:
-    """Whether kernels of exactly these sources are on disk already."""
-    return any(CACHE_DIRECTORY.rglob("*.nbi"))
+def is_compiled(name: str) -> bool:
+    """Whether a kernel, given as module.function, of exactly these sources is on disk already."""
+    return any(CACHE_DIRECTORY.rglob(f"{name}-*.nbi"))
 
 
 def remove_old_caches() -> None:

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 from .audit import MOST_CHANGE, Audit, audit
-from .command_line import Parser
+from .command_line import Parser, pairs, say_if_compiling
 from .energy import LEDGER
 from .genome import Genome, GenomeError
 from .genome_file import load_genome
@@ -39,6 +39,7 @@ def main(arguments: list[str] | None = None) -> int:
         if not 0.0 < given.within <= 1.0:
             raise ParameterError(f"--within is {given.within!r}: give a number above 0, up to 1")
         genome, task, seed, recorded = _champion(given)
+        say_if_compiling("trajectory.repeat")
         result = audit(genome, task, seed, given.within)
     except (GenomeError, ParameterError, RecordingError) as error:
         parser.exit(2, f"{parser.prog}: {error}\n")
@@ -55,7 +56,7 @@ def _champion(given) -> tuple[Genome, Task, int, float | None]:
     """(genome, task, seed, recorded fitness or None)."""
     path = Path(given.source)
     if not path.is_dir() and path.suffix != ".mcap":
-        return load_genome(path), with_settings(Task(), _pairs(given.set)), 0, None
+        return load_genome(path), with_settings(Task(), pairs(given.set)), 0, None
     if given.set:
         raise ParameterError("--set is for a genome file: a recording names its own task")
     recording = read_recording(path)
@@ -66,14 +67,6 @@ def _champion(given) -> tuple[Genome, Task, int, float | None]:
         genome_from_message(champion.genome), task_from_message(recording.settings.task), recording.settings.seed,
         champion.evaluation.fitness,
     )
-
-
-def _pairs(items):
-    pairs = dict(item.partition("=")[::2] for item in items)
-    for name, value in pairs.items():
-        if not value:
-            raise ParameterError(f"--set {name}: give NAME=VALUE, e.g. development.max_cells=64")
-    return pairs
 
 
 def table(result: Audit) -> str:

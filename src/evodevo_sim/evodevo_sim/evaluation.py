@@ -132,7 +132,7 @@ def _score(result, task: Task) -> Evaluation:
 
 def prepare(task: Task = Task(), say=print) -> None:
     """Load the kernels that evaluations of a task need, compiled by the first process that asks; `say` is told if that is us."""
-    if not is_compiled():
+    if not is_compiled("swim.swim"):
         say("Compiling the simulation kernels, once: about a minute.")
         remove_old_caches()
     evaluate(random_genome(np.random.default_rng(0)), task)

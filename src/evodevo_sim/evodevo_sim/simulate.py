@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from .body_file import BodyError, load_body
-from .command_line import Parser
+from .command_line import Parser, say_if_compiling
 from .messages import body_message, cell_states_message
 from .motion import FRAME, SCENES, Motion, simulate_body
 from .nodes.common import without_ros
@@ -51,6 +51,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         _refuse_existing(given)
         own = load_body(given.body)
+        say_if_compiling("trajectory.follow")
         motion = simulate_body(
             own, given.scene, given.duration, dt=given.dt, tolerance=given.tolerance, integrator=given.integrator
         )
