@@ -12,6 +12,7 @@ import argparse
 
 import numpy as np
 from evodevo_sim import Task, load_genome, perform
+from evodevo_sim.command_line import pairs
 from evodevo_sim.parameters import with_settings
 from evodevo_sim.physics import SOUND, advance, choose_substeps, make_law, make_scratch, set_rest_lengths
 
@@ -19,14 +20,14 @@ from evodevo_sim.physics import SOUND, advance, choose_substeps, make_law, make_
 def coast(performance, task: Task, step: int) -> float:
     """Distance in m from control step `step` to the end with the muscles held as they are at that step."""
     body, law = performance.body, make_law(task.material.arguments(), task.scene.arguments())
-    position, velocity = performance.position[step].copy(), performance.velocity[step].copy()
-    rest, scratch = np.empty(body.rest_length.size), make_scratch(len(position))
-    set_rest_lengths(body, performance.activation[step], rest)
-    start, substeps = position.mean(axis=0), choose_substeps(body, law, task.control_step)
+    position, velocity = performance.position[step].T.copy(), performance.velocity[step].T.copy()
+    rest, scratch = np.empty(body.rest_length.size), make_scratch(body)
+    set_rest_lengths(body, performance.activation[step].copy(), rest)
+    start, substeps = position.mean(axis=1), choose_substeps(body, law, task.control_step)
     for _ in range(step, task.control_steps):
         if advance(body, law, rest, position, velocity, task.control_step, substeps, scratch) != SOUND:
             return np.nan
-    return float(np.hypot(*(position.mean(axis=0) - start)))
+    return float(np.hypot(*(position.mean(axis=1) - start)))
 
 
 def period(activation: np.ndarray) -> float:
@@ -40,7 +41,7 @@ def main():
     parser.add_argument("genomes", nargs="+", metavar="GENOME")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="of the task, e.g. scene.drag_normal=10")
     options = parser.parse_args()
-    task = with_settings(Task(), dict(pair.partition("=")[::2] for pair in options.set))
+    task = with_settings(Task(), pairs(options.set))
     half = task.control_steps // 2
     for name in options.genomes:
         performance = perform(load_genome(name), task)

@@ -17,6 +17,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from evodevo_ga import Evolution, Settings
 from evodevo_sim import Evaluation, Task, evaluate, random_genome
+from evodevo_sim.command_line import pairs
 from evodevo_sim.parameters import with_settings
 from tqdm import tqdm
 
@@ -88,9 +89,9 @@ def row(search: str, seed: int, evaluations: int, e: Evaluation, last_gain, dive
     return dict(zip(COLUMNS, values))
 
 
-def split(pairs: list[str]) -> tuple[dict, dict]:
+def split(items: list[str]) -> tuple[dict, dict]:
     """`name=value` texts into numbers of the task and, without their prefix, those of evolution."""
-    numbers = dict(pair.partition("=")[::2] for pair in pairs)
+    numbers = pairs(items)
     whole = {field.name: type(field.default) for field in dataclasses.fields(Settings)}
     of_settings = {name.removeprefix("settings."): value for name, value in numbers.items() if name.startswith("settings.")}
     return (

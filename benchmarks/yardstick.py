@@ -20,6 +20,7 @@ import numba
 import numpy as np
 from evodevo_sim import Task
 from evodevo_sim.body import build_body
+from evodevo_sim.command_line import pairs
 from evodevo_sim.gabriel import adjacency, gabriel_graph
 from evodevo_sim.parameters import with_settings
 from evodevo_sim.physics import SOUND, advance, choose_substeps, make_law, make_scratch, set_rest_lengths, settle
@@ -36,7 +37,7 @@ def lattice(columns: int, rows: int, mass: float):
     position = np.array([(c + 0.5 * (r % 2), r * np.sqrt(0.75)) for r in range(rows) for c in range(columns)])
     position -= position.mean(axis=0)
     edges = gabriel_graph(position)
-    start, neighbour = np.zeros(len(position) + 1, np.int64), np.empty(2 * len(edges), np.int64)
+    start, neighbour = np.zeros(len(position) + 1, np.int64), np.empty(2 * len(edges), np.uint32)
     adjacency(edges, len(edges), len(position), start, neighbour)
     return build_body(position, edges, start, neighbour, mass)
 
@@ -46,7 +47,7 @@ def ride(body, material, scene, steps, control_step, gain, phase, period):
     """Swim with muscle gain * cos(2 pi step / period - phase).  Returns: distance in all and in the second half, NaN if unsound."""
     law = make_law(material, scene)
     cells = gain.size
-    position, velocity, scratch = body.position.copy(), np.zeros((cells, 2)), make_scratch(cells)
+    position, velocity, scratch = body.position.T.copy(), np.zeros((2, cells)), make_scratch(body)
     muscle, rest = gain * np.cos(phase), np.empty(body.rest_length.size)
     set_rest_lengths(body, muscle, rest)
     settle(body, law, rest, position, velocity, SETTLE_TOLERANCE, SETTLE_LIMIT, scratch)
@@ -80,7 +81,7 @@ def main():
     parser.add_argument("--workers", type=int, default=len(os.sched_getaffinity(0)), help="threads (default %(default)s)")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="of the task, e.g. scene.drag_normal=10")
     options = parser.parse_args()
-    task = with_settings(Task(), dict(pair.partition("=")[::2] for pair in options.set))
+    task = with_settings(Task(), pairs(options.set))
     body = lattice(options.columns, options.rows, task.material.mass)
 
     def run(case):
