@@ -23,8 +23,13 @@ def simulators(*namespaces, arguments=()):
         yield processes
     finally:
         for process in processes:
-            process.kill()
-            process.communicate()
+            process.terminate()
+        for process in processes:
+            try:
+                process.communicate(timeout=10.0)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.communicate()
 
 
 class Operator:

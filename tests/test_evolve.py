@@ -82,6 +82,17 @@ def test_a_run_that_loses_its_last_simulator_keeps_what_was_done(tmp_path):
     assert "Champion: fitness" in stdout
 
 
+def test_a_run_does_not_wait_for_a_simulator_that_is_listed_but_dead(tmp_path, in_process):
+    namespace = f"/dead_{os.getpid()}"
+    with simulators(namespace) as [node], Operator() as operator:
+        operator.until(lambda: f"{namespace}/evaluate" in find_simulators(operator.node))
+        node.kill()
+        code, stdout, stderr = run(out=tmp_path / "run")
+    assert code == 0, stderr
+    assert "simulators of our own" in stdout
+    assert load_genome(tmp_path / "run/champion.yaml") == in_process[0].champion.genome
+
+
 def first_line(process):
     """What it says first, once kernels are compiled."""
     while "Compiling" in (line := process.stdout.readline()):

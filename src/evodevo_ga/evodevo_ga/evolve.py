@@ -22,8 +22,9 @@ from .evolution import Evolution, Individual
 from .fleet import Fleet, FleetError, OwnSimulators, find_simulators
 from .messages import champion_message, evolution_message, statistics_message
 
-_DISCOVERY = 2.5  # s from the node's start in which simulators on the graph are found
-_MORE = 0.5  # s to wait for another one after each
+_DISCOVERY = 2.5  # s from the node's start in which a simulator on the graph is found
+_DISCOVERY_OF_ALL = 4.0  # s in which the others are: DDS announces every 3 s
+_MORE = 0.5  # s at the least to look, and to wait for another one after each
 _ANSWER = 5.0  # s for a simulator of the graph to answer; one that was killed is listed for a while
 _START = 60.0  # s for one of our own to start
 
@@ -87,15 +88,21 @@ class _Run:
         return self._finish()
 
     def _find_simulators_and_evolve(self) -> None:
-        services = [] if self.options.simulators else self._find()
+        o = self.options
+        self.recorder.write("evolution/settings", evolution_message(o.settings, o.task, o.seed), time.time_ns(), latched=True)
+        services = [] if o.simulators else self._find()
         if services:
-            print(f"Evolving on {len(services)} simulators of the graph: {', '.join(services)}; recording to {self.options.out}", flush=True)
-            self._evolve(Fleet(self.node, self.executor, services), _ANSWER)
-        else:
-            count = self.options.simulators or cores()
-            with OwnSimulators(count, self.options.out / "simulators.log") as own:
-                print(f"Evolving on {count} simulators of our own; recording to {self.options.out}", flush=True)
-                self._evolve(Fleet(self.node, self.executor, own.services), _START, own.alive)
+            print(f"Evolving on {len(services)} simulators of the graph: {', '.join(services)}; recording to {o.out}", flush=True)
+            try:
+                return self._evolve(Fleet(self.node, self.executor, services), _ANSWER)
+            except FleetError:  # those that were killed are listed for a while
+                if self.evolution.population:
+                    raise
+                print("They do not answer.")
+        count = o.simulators or cores()
+        with OwnSimulators(count, o.out / "simulators.log") as own:
+            print(f"Evolving on {count} simulators of our own; recording to {o.out}", flush=True)
+            self._evolve(Fleet(self.node, self.executor, own.services), _START, own.alive)
 
     def _find(self) -> list[str]:
         """The simulators on the graph.  Discovery goes on in threads of its own since the node began, also while we compiled."""
@@ -103,13 +110,12 @@ class _Run:
         while time.monotonic() < until and not self.stop():
             services = find_simulators(self.node)
             if services != found:
-                found, until = services, time.monotonic() + _MORE
+                found, until = services, max(self.began + _DISCOVERY_OF_ALL, time.monotonic() + _MORE)
             self.executor.spin_once(timeout_sec=0.05)
         return found
 
     def _evolve(self, fleet: Fleet, seconds: float, alive=lambda: True) -> None:
         o = self.options
-        self.recorder.write("evolution/settings", evolution_message(o.settings, o.task, o.seed), time.time_ns(), latched=True)
         fleet.wait(seconds, alive, self.stop)
         bar = tqdm(total=o.settings.generations, unit="gen", disable=o.quiet, mininterval=0.1 if sys.stderr.isatty() else 5.0)
         with bar:
