@@ -39,6 +39,7 @@ class Options:
     seed: int
     out: Path
     simulators: int | None  # None: those on the graph, or else one per core
+    look: float  # s to look for simulators on the graph
     quiet: bool
 
 
@@ -50,6 +51,7 @@ def parse(arguments: list[str]) -> Options:
     parser.add_argument("--seed", default=1, type=int, metavar="N", help="same seed, same champions, bit for bit (default %(default)s)")
     parser.add_argument("--out", metavar="DIR", help="directory of the run, made anew (default bags/TASK-DATE-TIME)")
     parser.add_argument("--simulators", type=int, metavar="N", help="start N simulator nodes of our own, whatever is on the graph")
+    parser.add_argument("--look", default=2.5, type=float, metavar="S", help="seconds to look for simulators on the graph (default %(default)s)")
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
     group = parser.add_argument_group("genetic algorithm")
     for field in dataclasses.fields(Settings):
@@ -68,8 +70,10 @@ def parse(arguments: list[str]) -> Options:
         parser.error(f"--seed is {given.seed}: give a whole number from 0 to 2^63 - 1")
     if given.simulators is not None and not 1 <= given.simulators <= 256:
         parser.error(f"--simulators is {given.simulators}: give 1 to 256")
+    if not 0.0 <= given.look <= 3600.0:
+        parser.error(f"--look is {given.look}: give 0 to 3600 seconds")
     out = Path(given.out or f"bags/{task.name}-{datetime.now():%Y%m%d-%H%M%S}")
-    return Options(task, settings, given.seed, out, given.simulators, given.quiet)
+    return Options(task, settings, given.seed, out, given.simulators, given.look, given.quiet)
 
 
 def cores() -> int:

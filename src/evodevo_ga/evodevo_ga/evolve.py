@@ -22,8 +22,7 @@ from .evolution import Evolution, Individual
 from .fleet import Fleet, FleetError, OwnSimulators, find_simulators
 from .messages import champion_message, evolution_message, statistics_message
 
-_DISCOVERY = 2.5  # s from the node's start in which a simulator on the graph is found
-_DISCOVERY_OF_ALL = 4.0  # s in which the others are: DDS announces every 3 s
+_DISCOVERY_OF_ALL = 4.0  # s from the node's start in which simulators are found if one is: DDS announces every 3 s
 _MORE = 0.5  # s at the least to look, and to wait for another one after each
 _ANSWER = 5.0  # s for a simulator of the graph to answer; one that was killed is listed for a while
 _START = 60.0  # s for one of our own to start
@@ -106,11 +105,11 @@ class _Run:
 
     def _find(self) -> list[str]:
         """The simulators on the graph.  Discovery goes on in threads of its own since the node began, also while we compiled."""
-        found, until = [], max(self.began + _DISCOVERY, time.monotonic() + _MORE)
+        found, until = [], max(self.began + self.options.look, time.monotonic() + _MORE)
         while time.monotonic() < until and not self.stop():
             services = find_simulators(self.node)
             if services != found:
-                found, until = services, max(self.began + _DISCOVERY_OF_ALL, time.monotonic() + _MORE)
+                found, until = services, max(self.began + max(self.options.look, _DISCOVERY_OF_ALL), time.monotonic() + _MORE)
             self.executor.spin_once(timeout_sec=0.05)
         return found
 
