@@ -131,6 +131,7 @@ def ros2(tmp_path):
         return subprocess.Popen(
             [sys.executable, STAND_IN, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
             env=os.environ | {"AMENT_PREFIX_PATH": str(tmp_path)},
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # a shell in the background ignores it
         )
 
     return start

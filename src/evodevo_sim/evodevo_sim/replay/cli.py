@@ -41,7 +41,8 @@ def _parse(arguments: list[str] | None) -> argparse.Namespace:
 
 def main(arguments: list[str] | None = None) -> int:
     """Returns the exit code: 0, 2 after an error that the user can mend, 130 after Ctrl-C."""
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # like Ctrl-C: temporary files and the viewer go with us
+    for number in (signal.SIGINT, signal.SIGTERM):  # also where a shell in the background ignores Ctrl-C for its children
+        signal.signal(number, signal.default_int_handler)
     try:
         options = _parse(arguments)
         from ..recording import RecordingError
