@@ -69,9 +69,10 @@ def follow(system, method, bound, steps, finer, tolerance, h, time, first, last,
 
 @kernel
 def repeat(system, method, steps, tolerance, control_step, activation, position, velocity, work, ledger, path):
-    """Move a body by the muscles of a life, in place, with its ledger.
+    """Move a body by the muscles of a life, in place.
 
-    Args: activation (T + 1, N) of e - c, whose row k + 1 holds during control step k; path (windows + 1, 2): filled.
+    Args: activation (T + 1, N) of e - c, whose row k + 1 holds during control step k; ledger: (4,), added to, or empty; path
+    (windows + 1, 2): filled.
 
     Returns: (outcome; gain of stored energy, J; least S / S0 of any chamber after any control step).
     """
@@ -86,13 +87,14 @@ def repeat(system, method, steps, tolerance, control_step, activation, position,
         before = stored_energy(body, law, system.rest, 0.0, position, velocity)
         set_rest_lengths(body, activation[k + 1], system.rest)
         after = stored_energy(body, law, system.rest, 0.0, position, velocity)
-        ledger[0] += after[1] - before[1]  # muscles do their work at once, at the start of a control step
+        if ledger.size:
+            ledger[0] += after[1] - before[1]  # muscles do their work at once, at the start of a control step
         if method == ADAPTIVE:
             outcome, h, _ = carry_adaptively(system, 0.0, control_step, tolerance, h, position, velocity, work, ledger)
+            if outcome == SOUND:
+                outcome = is_sound(system, position, velocity, 0.0, work)
         else:
-            carry(system, method, 0.0, control_step, steps, position, velocity, work, ledger)
-        if outcome == SOUND:
-            outcome = is_sound(system, position, velocity, 0.0, work)
+            outcome, _ = carry_soundly(system, method, 0.0, control_step, steps, DOUBLINGS, position, velocity, work, ledger)
         if outcome != SOUND:
             return outcome, np.nan, least
         least = min(least, least_chamber(body, position)[0])
