@@ -10,13 +10,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .evaluation import Evaluation, Performance, _score, perform
+from .evaluation import Evaluation, Performance, perform
 from .genome import Genome
 from .integrators import make_system, make_work
+from .life import OK
 from .parameters import Task
 from .physics import SOUND, make_law
 from .stability import ADAPTIVE, RK4
-from .swim import OK, Swim
+from .swim import Swim
+from .swim_task import score
 from .trajectory import repeat
 
 FINER = 8
@@ -104,7 +106,7 @@ def _score_path(evaluation: Evaluation, activation, path, task: Task) -> Evaluat
     """The evaluation of the same muscles on another path."""
     m = evaluation.metrics
     active = _active(activation, task)
-    return _score(Swim(OK, -1, path, m.activation_amplitude, active, m.substeps, m.cells, m.springs, m.chambers), task)
+    return score(Swim(OK, -1, path, m.activation_amplitude, active, m.substeps, m.cells, m.springs, m.chambers), task)
 
 
 def _active(activation, task: Task) -> float:
