@@ -14,10 +14,10 @@ import time
 import numba
 import numpy as np
 from evodevo_sim import Development, Status, Task, evaluate, random_genome
-from evodevo_sim.evaluation import _arguments
+from evodevo_sim.life import birth, develop
 from evodevo_sim.physics import accelerations, check
 from evodevo_sim.regulation import exchange, regulate
-from evodevo_sim.swim import birth, develop
+from evodevo_sim.swim_task import kernel_arguments
 
 NOBODY = np.empty((0, 0, 0)), np.empty((0, 0)), np.empty((0, 0, 0), np.int64)
 CALLS = 1000
@@ -71,7 +71,7 @@ def lively(task, count):
 
 def measure(genome, task, repeats):
     """Seconds: (all repeats of an evaluation, growth, settling, regulation, force evaluations, checks, one force evaluation)."""
-    arguments = _arguments(genome, task)
+    arguments = kernel_arguments(genome, task)
     genes, _, development, continual, material, scene, given = arguments
     whole = seconds(lambda: evaluate(genome, task), repeats)
     grow = seconds(lambda: develop(genes, development, continual, given, *NOBODY), repeats).min()

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from evodevo_sim import Development, Status, Task, evaluate
-from evodevo_sim.evaluation import _score
 from evodevo_sim.swim import Swim
+from evodevo_sim.swim_task import score
 from genomes import dividing, ring
 
 TASK = Task(control_steps=400, development=Development(max_cells=12))
@@ -25,6 +25,6 @@ def test_a_network_at_rest_earns_nothing():
 def test_the_slowest_window_counts_and_only_as_far_as_muscles_work():
     path = np.array([[0.0, 0.0], [9.0, 0.0], [10.0, 0.0], [13.0, 0.0], [15.0, 0.0]])
     for active in (0.0, 0.25, 1.0):
-        found = _score(Swim(0, -1, path, 0.3, active, 1, 12, 20, 9), Task())
+        found = score(Swim(0, -1, path, 0.3, active, 1, 12, 20, 9), Task())
         assert found.fitness == pytest.approx(active * (4 * 1.0 + Task().activity_bonus))
         assert (found.metrics.distance, found.metrics.distance_second_half, found.metrics.slowest_window) == (15.0, 5.0, 1.0)

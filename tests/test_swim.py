@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from bodies import LAW, accelerations_of
 from evodevo_sim import Development, Scene, Task, evaluate, perform
-from evodevo_sim.evaluation import Status, _arguments
+from evodevo_sim.life import SETTLE_TOLERANCE, birth, develop
+from evodevo_sim.outcome import Status
 from evodevo_sim.physics import SOUND, advance, set_rest_lengths
-from evodevo_sim.swim import SETTLE_TOLERANCE, birth, develop
+from evodevo_sim.swim_task import kernel_arguments
 from genomes import beating, dividing, first_viable, hand_made
 
 TASK = Task(development=Development(max_cells=16), control_steps=400)
@@ -90,7 +91,7 @@ def test_what_cannot_swim_says_so_and_scores_below_standing_still():
 def test_a_genome_that_never_divides_ends_when_its_network_rests():
     task = Task()
     genome = hand_made({"constant": (1, 0.0, 0.0), "expansion": (1, 0.0, 0.0)})
-    genome, _, development, continual, _, _, given = _arguments(genome, task)
+    genome, _, development, continual, _, _, given = kernel_arguments(genome, task)
     nothing = np.empty((0, 0, 0)), np.empty((0, 0)), np.empty((0, 0, 0), np.int64)
     _, _, embryo = develop(genome, development, continual, given, *nothing)
     assert len(embryo.position) == 1 and embryo.steps < task.development.steps // 2
@@ -107,7 +108,7 @@ def test_without_drag_no_swimmer_gets_anywhere(scene):
 
 def test_cells_stay_within_half_a_percent_of_a_diameter_of_a_run_with_eight_times_finer_steps():
     """One thousand control steps; the muscles are those of the network, and do not depend on the physics."""
-    genome, _, development, continual, material, scene, given = _arguments(beating(), Task())
+    genome, _, development, continual, material, scene, given = kernel_arguments(beating(), Task())
     steps, control_step = 1000, Task().control_step
     performance = perform(beating(), Task(control_steps=steps))
     _, life = birth(genome, development, continual, material, scene, given, control_step, 8)

@@ -10,7 +10,7 @@ from pathlib import Path
 from evodevo_sim import ParameterError, Task
 from evodevo_sim.command_line import Parser, pairs
 from evodevo_sim.nodes.common import without_ros
-from evodevo_sim.parameters import TASKS, with_settings
+from evodevo_sim.parameters import TASKS, default_task, with_settings
 
 from .evolution import Settings
 
@@ -62,7 +62,7 @@ def parse(arguments: list[str]) -> Options:
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="set a number of the model, e.g. material.stiffness=300")
     given = parser.parse_args(without_ros(parser, arguments))
     try:
-        task = with_settings(Task(), {"name": given.task, "development.max_cells": given.cells, **pairs(given.set)})
+        task = with_settings(default_task(given.task), {"development.max_cells": given.cells, **pairs(given.set)})
         settings = Settings(**{field.name: getattr(given, field.name) for field in dataclasses.fields(Settings)})
     except ParameterError as error:
         parser.error(str(error))

@@ -5,10 +5,11 @@
 """
 
 from .body_file import BodyError, OwnBody, load_body, make_own_body
-from .evaluation import Evaluation, Metrics, Performance, Status, evaluate, perform
+from .evaluation import Performance, evaluate, perform
 from .genome import Genome, GenomeError, random_genome
 from .genome_file import load_genome, parse_genome, save_genome
 from .motion import Motion, simulate_body
+from .outcome import Evaluation, Metrics, Status
 from .parameters import Development, Material, ParameterError, Scene, Task
 
 __version__ = "0.1.0"

@@ -15,16 +15,19 @@ import numpy as np
 
 from ._jit import is_compiled
 from .body import build_body
-from .evaluation import Evaluation, Performance, _score, perform
+from .evaluation import Evaluation, Performance, perform
 from .gabriel import adjacency, gabriel_graph
 from .genome import Genome
 from .integrators import make_system, make_work
-from .parameters import Task
+from .life import OK
+from .parameters import ParameterError, Task
 from .physics import SOUND, make_law
 from .stability import ADAPTIVE, RK4
-from .swim import OK, Swim
+from .swim import Swim
+from .swim_task import score
 from .trajectory import repeat
 
+TASKS = ("swim",)  # that audits can repeat
 FINER = 8
 TOLERANCE = 1e-9  # m and m/s, of a step of the adaptive run
 QUICK_FINER, QUICK_TOLERANCE = 4, 1e-6
@@ -68,6 +71,8 @@ def audit(genome: Genome, task: Task = Task(), seed: int = 0, most_change: float
 
     Args: as for `evaluate`; most_change: of the fitness, relative, that still stands; quick: see above.
     """
+    if task.name not in TASKS:
+        raise ParameterError(f"task {task.name!r} has no audit yet: give one of {', '.join(TASKS)}")
     first = perform(genome, task, seed)
     evaluation = first.evaluation
     if evaluation.cause:
@@ -85,7 +90,7 @@ def audit(genome: Genome, task: Task = Task(), seed: int = 0, most_change: float
 
 def prepare(task: Task = Task(), say=print) -> None:
     """Compile what audits need beyond evaluations, where no process has yet; `say` is told if it is us."""
-    if is_compiled("trajectory.repeat"):
+    if task.name not in TASKS or is_compiled("trajectory.repeat"):
         return
     say("Compiling the kernels of audits, once: about half a minute.")
     position = np.array([(0.0, 0.0), (1.0, 0.0), (0.5, 0.9)])
@@ -142,7 +147,7 @@ def _score_path(evaluation: Evaluation, activation, path, task: Task) -> Evaluat
     """The evaluation of the same muscles on another path."""
     m = evaluation.metrics
     active = _active(activation, task)
-    return _score(Swim(OK, -1, path, m.activation_amplitude, active, m.substeps, m.cells, m.springs, m.chambers), task)
+    return score(Swim(OK, -1, path, m.activation_amplitude, active, m.substeps, m.cells, m.springs, m.chambers), task)
 
 
 def _active(activation, task: Task) -> float:

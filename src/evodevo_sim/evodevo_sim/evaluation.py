@@ -2,62 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
-from enum import IntEnum
+from dataclasses import dataclass
 
 import numpy as np
 
+from . import swim_task
 from ._jit import is_compiled, remove_old_caches
 from .body import build_body
-from .genome import INPUT_NAMES, Genome, random_genome
+from .genome import Genome, random_genome
+from .life import develop
+from .outcome import Evaluation, Metrics, Status, failure
 from .parameters import Task
-from .swim import develop, swim
+from .swim_task import kernel_arguments
 
-
-class Status(IntEnum):
-    """How an evaluation ended; the same numbers as in `evodevo_msgs/Evaluation`."""
-
-    OK = 0
-    NO_GROWTH = 1
-    NO_CHAMBER = 2
-    RESTING = 3
-    UNSTABLE = 4
-    INVERTED = 5
-    INVALID_GENOME = 6
-
-
-# Fitness of what cannot be scored: all of it below a body that stands still, ordered so that growing comes before failing.
-_FAILURE = {
-    Status.NO_CHAMBER: (-1.0, "the body has no closed chamber"),
-    Status.NO_GROWTH: (-2.0, "the egg never divided"),
-    Status.INVERTED: (-3.0, "a chamber turned inside out or a spring collapsed"),
-    Status.UNSTABLE: (-4.0, "the physics blew up even with finer steps"),
-    Status.INVALID_GENOME: (-5.0, ""),
-}
-
-
-@dataclass(frozen=True)
-class Metrics:
-    """What was measured; units as in `evodevo_msgs/Metrics`."""
-
-    cells: int = 0
-    springs: int = 0
-    chambers: int = 0
-    substeps: int = 0
-    distance: float = 0.0
-    distance_second_half: float = 0.0
-    slowest_window: float = 0.0
-    activation_amplitude: float = 0.0
-
-
-@dataclass(frozen=True)
-class Evaluation:
-    """fitness in m; status; cause, empty unless it failed; metrics."""
-
-    fitness: float
-    status: Status
-    cause: str
-    metrics: Metrics
+# Every task: run(genome, task, seed, finer, track, traces) -> Evaluation
+_RUN = {"swim": swim_task.run}
+_KERNEL = {"swim": "swim.swim"}
+_NOT_KEPT = np.empty((0, 0, 0)), np.empty((0, 0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,19 +43,6 @@ class Performance:
     activation: np.ndarray
 
 
-def _given_inputs(task: Task) -> np.ndarray:
-    """Which input signals the scene of a task has: none has a scent yet."""
-    return np.array([name != "scent" for name in INPUT_NAMES])
-
-
-def _arguments(genome: Genome, task: Task):
-    continual = task.development.variant == "continual_graph"
-    return (
-        genome.arrays(), task.arguments(), task.development.arguments(), continual, task.material.arguments(),
-        task.scene.arguments(), _given_inputs(task),
-    )
-
-
 def evaluate(genome: Genome, task: Task = Task(), seed: int = 0) -> Evaluation:
     """Evaluate a genome.  Pure: equal arguments give equal bits.
 
@@ -103,36 +51,12 @@ def evaluate(genome: Genome, task: Task = Task(), seed: int = 0) -> Evaluation:
         task: what for.
         seed: of whatever the task draws at random; swimming draws nothing.
     """
-    return _score(swim(*_arguments(genome, task), 1, np.empty((0, 0, 0)), np.empty((0, 0))), task)
-
-
-def _score(result, task: Task) -> Evaluation:
-    status = Status(result.status)
-    path = result.path
-    failed = status in _FAILURE
-    metrics = Metrics(
-        cells=result.cells,
-        springs=result.springs,
-        chambers=result.chambers,
-        substeps=result.substeps,
-        distance=0.0 if failed else float(np.hypot(*(path[-1] - path[0]))),
-        distance_second_half=0.0 if failed else float(np.hypot(*(path[-1] - path[task.windows // 2]))),
-        slowest_window=0.0 if failed else float(np.hypot(*np.diff(path, axis=0).T).min()),
-        activation_amplitude=0.0 if failed else result.amplitude,
-    )
-    if failed:
-        fitness, cause = _FAILURE[status]
-        if result.failed_step >= 0:
-            cause += f", at control step {result.failed_step}"
-        return Evaluation(fitness, status, cause, metrics)
-    # Motion counts only as far as muscles move it, to the end: creeping and coasting with a network at rest earn nothing.
-    fitness = result.active * (task.windows * metrics.slowest_window + task.activity_bonus)
-    return Evaluation(fitness, status, "", metrics)
+    return _RUN[task.name](genome, task, seed, 1, *_NOT_KEPT)
 
 
 def prepare(task: Task = Task(), say=print) -> None:
     """Load the kernels that evaluations of a task need, compiled by the first process that asks; `say` is told if that is us."""
-    if not is_compiled("swim.swim"):
+    if not is_compiled(_KERNEL[task.name]):
         say("Compiling the simulation kernels, once: about a minute.")
         remove_old_caches()
     evaluate(random_genome(np.random.default_rng(0)), task)
@@ -140,12 +64,12 @@ def prepare(task: Task = Task(), say=print) -> None:
 
 def invalid(cause: str) -> Evaluation:
     """The evaluation of what is no genome at all."""
-    return Evaluation(_FAILURE[Status.INVALID_GENOME][0], Status.INVALID_GENOME, cause, Metrics())
+    return failure(Status.INVALID_GENOME, Metrics(), cause=cause)
 
 
 def perform(genome: Genome, task: Task = Task(), seed: int = 0, finer: int = 1) -> Performance:
     """Evaluate a genome with everything kept, to record, draw or analyse.  Args: finer: times as many substeps, for an audit."""
-    arguments = _arguments(genome, task)
+    arguments = kernel_arguments(genome, task)
     development = task.development
     shape = (development.steps + 1, development.max_cells)
     growth, growth_activation = np.full((*shape, 2), np.nan), np.full(shape, np.nan)
@@ -159,7 +83,7 @@ def perform(genome: Genome, task: Task = Task(), seed: int = 0, finer: int = 1) 
         body = build_body(embryo.position, embryo.edges, embryo.start, embryo.neighbour, task.material.mass)
     track = np.full((task.control_steps + 1, cells, 4), np.nan)
     traces = np.full((task.control_steps + 1, cells), np.nan)
-    evaluation = _score(swim(*arguments, finer, track, traces), task)
+    evaluation = _RUN[task.name](genome, task, seed, finer, track, traces)
     return Performance(
         evaluation=evaluation,
         growth=growth[:, :cells],

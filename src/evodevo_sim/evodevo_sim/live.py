@@ -9,10 +9,12 @@ from concurrent.futures import Future
 
 import numpy as np
 
-from .evaluation import _FAILURE, Status, _arguments
 from .genome import Genome
+from .life import birth
+from .outcome import FAILURE, Status
 from .parameters import ParameterError, Task
-from .swim import birth, live
+from .swim import live
+from .swim_task import kernel_arguments
 
 _NOT_KEPT = np.empty((0, 0))
 _NO_TRACK = np.empty((0, 0, 0))
@@ -44,7 +46,7 @@ class Animat:
 
     def reset(self) -> None:
         """Back to birth.  The target stays."""
-        genome, task, *others = _arguments(self.genome, self.task)
+        genome, task, *others = kernel_arguments(self.genome, self.task)
         status, self._life = birth(genome, *others, task.control_step, 1)
         self.status = Status(status)
         if self.status != Status.OK:
@@ -62,7 +64,7 @@ class Animat:
     @property
     def cause(self) -> str:
         """What failed, or nothing."""
-        return _FAILURE[self.status][1] if self.status in _FAILURE else ""
+        return FAILURE[self.status][1] if self.status in FAILURE else ""
 
     def step(self) -> None:
         """Live for one control step: one regulation step, then the body's."""

@@ -14,8 +14,8 @@ from builtin_interfaces.msg import Time
 from evodevo_msgs import msg
 from std_msgs.msg import Header
 
-from .evaluation import Evaluation, Metrics, Status
 from .genome import Genome
+from .outcome import Evaluation, Metrics, Status
 from .parameters import Task
 
 

@@ -118,7 +118,14 @@ class Task(Checked):
             raise ParameterError(f"task.control_steps is {self.control_steps}: give a multiple of the {self.windows} windows")
 
 
-TASKS = ("swim",)
+# What differs from the defaults above, by task.
+_OF_TASK: dict[str, dict[str, object]] = {"swim": {}}
+TASKS = tuple(_OF_TASK)
+
+
+def default_task(name: str) -> Task:
+    """The task of a name with its own defaults.  Raises ParameterError where there is none."""
+    return with_settings(Task(), {"name": name, **_OF_TASK.get(name, {})})
 
 
 def with_settings(task: Task, values: dict[str, object]) -> Task:

@@ -7,9 +7,9 @@ import numpy as np
 from ._jit import kernel, lean
 from .energy import least_chamber, stored_energy
 from .integrators import carry, carry_adaptively
+from .life import centre_of_mass
 from .physics import SOUND, UNSTABLE, _copy, set_rest_lengths
 from .stability import ADAPTIVE, RK4, choose_steps, is_sound
-from .swim import centre_of_mass
 
 DOUBLINGS = 3  # of the steps of a frame that came out unsound
 

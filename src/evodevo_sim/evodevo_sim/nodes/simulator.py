@@ -14,12 +14,13 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profi
 from std_srvs.srv import SetBool, Trigger
 
 from ..command_line import Parser
-from ..evaluation import Evaluation, evaluate, invalid, prepare
+from ..evaluation import evaluate, invalid, prepare
 from ..genome import GenomeError
 from ..live import Animat, NotViable, Stage
 from ..messages import (
     body_message, cell_states_message, evaluation_message, genome_from_message, task_from_message,
 )
+from ..outcome import Evaluation
 from ..parameters import ParameterError
 from .common import run
 

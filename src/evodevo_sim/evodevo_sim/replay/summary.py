@@ -6,7 +6,7 @@ from pathlib import Path
 
 from evodevo_msgs import msg
 
-from ..evaluation import Status
+from ..outcome import Status
 from ..recording import Recording
 from .life import Life
 

@@ -1,0 +1,49 @@
+"""The swimming task around its kernel: arguments in, evaluation out."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .genome import INPUT_NAMES, Genome
+from .outcome import FAILURE, Evaluation, Metrics, Status, failure
+from .parameters import Task
+from .swim import swim
+
+
+def given_inputs(task: Task) -> np.ndarray:
+    """Which input signals the scene of a task has: none has a scent yet."""
+    return np.array([name != "scent" for name in INPUT_NAMES])
+
+
+def kernel_arguments(genome: Genome, task: Task):
+    continual = task.development.variant == "continual_graph"
+    return (
+        genome.arrays(), task.arguments(), task.development.arguments(), continual, task.material.arguments(),
+        task.scene.arguments(), given_inputs(task),
+    )
+
+
+def run(genome: Genome, task: Task, seed: int, finer: int, track, traces) -> Evaluation:
+    """Evaluate a swimmer.  Args: finer, track, traces: see `swim.swim`; seed: swimming draws nothing at random."""
+    return score(swim(*kernel_arguments(genome, task), finer, track, traces), task)
+
+
+def score(result, task: Task) -> Evaluation:
+    status = Status(result.status)
+    path = result.path
+    failed = status in FAILURE
+    metrics = Metrics(
+        cells=result.cells,
+        springs=result.springs,
+        chambers=result.chambers,
+        substeps=result.substeps,
+        distance=0.0 if failed else float(np.hypot(*(path[-1] - path[0]))),
+        distance_second_half=0.0 if failed else float(np.hypot(*(path[-1] - path[task.windows // 2]))),
+        slowest_window=0.0 if failed else float(np.hypot(*np.diff(path, axis=0).T).min()),
+        activation_amplitude=0.0 if failed else result.amplitude,
+    )
+    if failed:
+        return failure(status, metrics, result.failed_step)
+    # Motion counts only as far as muscles move it, to the end: creeping and coasting with a network at rest earn nothing.
+    fitness = result.active * (task.windows * metrics.slowest_window + task.activity_bonus)
+    return Evaluation(fitness, status, "", metrics)
