@@ -62,7 +62,7 @@ def _thinned(rng, edges, cells):
 def random_body(rng, shape=None, cells=None, mass=1.0):
     """A body of 3 to 64 cells, 0.1 to 10 times as large as its shape says in a quarter of cases; None where cells coincide."""
     shape = shape or rng.choice(SHAPES)
-    cells = cells or int(rng.integers(3, 65))
+    cells = cells or int(np.exp(rng.uniform(np.log(3), np.log(65))))  # most of them small
     position = positions(rng, shape, cells) * (10 ** rng.uniform(-1, 1) if rng.random() < 0.25 else 1.0)
     if coincident(position):
         return None
