@@ -91,7 +91,8 @@ def analyse(track: Track, rules: Rules = Rules()) -> Analysis:
     contact = None
     found = {**_rhythm(rhythm), **_motion(half, rhythm, frame), **_work(half)}
     if np.isfinite(rhythm.frequency):
-        found |= {**_phases(frame, rhythm), **_form(half, rhythm, frame, limb)}
+        found |= _phases(frame, rhythm)
+        found |= _form(half, rhythm, frame, limb, found["gradient_along"])
     if half.ground is not None:
         contact = contact_of(half, rhythm.frequency, rules.contact_height, rules.least_duty, rules.foot_gap)
         found |= {
@@ -131,14 +132,15 @@ def _work(half: Track) -> dict:
 
 
 def _phases(frame: BodyFrame, rhythm: Rhythm) -> dict:
-    plane, lateral = plane_wave(frame.shape, rhythm.wave), sides(frame, rhythm.wave)
+    plane = plane_wave(frame.shape, rhythm.wave)
+    lateral = sides(frame, rhythm.wave, plane.along)
     return {
         "gradient_along": plane.along, "gradient_across": plane.across, "gradient_fit": plane.fit,
         "lateral_shift": lateral.shift, "lateral_agreement": lateral.agreement,
     }
 
 
-def _form(half: Track, rhythm: Rhythm, frame: BodyFrame, limb) -> dict:
+def _form(half: Track, rhythm: Rhythm, frame: BodyFrame, limb, along: float) -> dict:
     areas = chamber_areas(half.position, half.chambers)
     pulse = beats(half.time, areas, rhythm.frequency)[0] if areas.size else np.zeros(1)
     sway = swaying(half.time, frame, rhythm.frequency)
@@ -146,6 +148,6 @@ def _form(half: Track, rhythm: Rhythm, frame: BodyFrame, limb) -> dict:
     apart = limb.any() and not limb.all()
     return {
         "area_synchrony": synchrony(pulse), "pulsation": float(abs(pulse.sum()) / areas.sum(axis=1).mean()) if areas.size else 0.0,
-        "bending": bending(frame, sway), "limb_lead": float(power[limb].mean() / power[~limb].mean()) if apart else 0.0,
+        "bending": bending(frame, sway, along), "limb_lead": float(power[limb].mean() / power[~limb].mean()) if apart else 0.0,
         "limb_power": float(power[limb].sum() / power.sum()) if apart else 0.0,
     }

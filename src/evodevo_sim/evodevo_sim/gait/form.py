@@ -7,6 +7,7 @@ from scipy import ndimage
 
 _PIXEL = 0.1  # m, of the raster in which limbs are found
 _REACH = 0.6  # m around a cell's centre that belong to the body
+_CORNER = 0.3  # m by which a cell's centre must stick out: those of corners do, too, but less
 
 
 def chamber_areas(position, chambers) -> np.ndarray:
@@ -45,4 +46,4 @@ def limbs(shape, thickness: float) -> np.ndarray:
         return np.zeros(len(shape), bool)
     away = ndimage.distance_transform_edt(~core) * _PIXEL
     at = np.rint((shape - low) / _PIXEL).astype(int)
-    return away[at[:, 0], at[:, 1]] > thickness / 2 + _PIXEL
+    return away[at[:, 0], at[:, 1]] > thickness / 2 + _CORNER

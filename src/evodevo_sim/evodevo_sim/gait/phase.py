@@ -49,22 +49,26 @@ def plane_wave(shape, wave) -> PlaneWave:
     return PlaneWave(float(found.x[0]), float(found.x[1]), float(-found.fun))
 
 
-def sides(frame: BodyFrame, wave) -> Sides:
-    """Compare the two sides, cells farther from the midline counting more.  Args: wave (N,) complex."""
-    together = _pairs(frame)
-    product = together * np.outer(wave, wave.conj())
+def sides(frame: BodyFrame, wave, along: float) -> Sides:
+    """Compare the two sides, cells farther from the midline counting more.
+
+    Args: wave (N,) complex; along: its phase gradient, rad/m, that cells beside each other do not share exactly.
+    """
+    wave = wave * np.exp(-1j * along * frame.shape[:, 0])
+    product = _pairs(frame) * np.outer(wave, wave.conj())
     most = np.abs(product).sum()
     if not most > 0:
         return Sides(0.0, 0.0)
     return Sides(float(abs(np.angle(product.sum()))), float(abs(product.sum()) / most))
 
 
-def bending(frame: BodyFrame, sway) -> float:
+def bending(frame: BodyFrame, sway, along: float) -> float:
     """1: both sides sway across the body together, it bends; -1: against each other, it swells and narrows.
 
-    Args: sway (N, 2) complex, see `frame.swaying`.
+    Args: sway (N, 2) complex, see `frame.swaying`; along: as for `sides`.
     """
-    product = _pairs(frame) * np.outer(sway[:, 1], sway[:, 1].conj())
+    wave = sway[:, 1] * np.exp(-1j * along * frame.shape[:, 0])
+    product = _pairs(frame) * np.outer(wave, wave.conj())
     most = np.abs(product).sum()
     return float(product.sum().real / most) if most > 0 else 0.0
 

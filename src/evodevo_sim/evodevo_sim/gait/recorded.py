@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..messages import task_from_message
+from ..messages import gait_from_message, task_from_message
 from ..recording import Recording
 from ..replay.life import Life
+from .analysis import Gait, analyse
 from .sources import flat, ground_of_task, world_of_task
 from .track import GaitError, Track, World
 
@@ -23,3 +24,15 @@ def track_of_recording(recording: Recording, life: Life, walks: bool = False) ->
         chambers=tuple(life.chambers), velocity=life.velocity, world=world_of_task(task) if task else World(),
         ground=flat if walks else ground, **known,
     )
+
+
+def gait_of_recording(recording: Recording, life: Life) -> Gait | None:
+    """The gait that a run recorded, or else that of its motion; None where there is none, or nobody says in what scene it is."""
+    if recording.gait is not None:
+        return gait_from_message(recording.gait)
+    if recording.settings is None:
+        return None
+    try:
+        return analyse(track_of_recording(recording, life)).gait
+    except GaitError:
+        return None

@@ -32,7 +32,7 @@ def common_rhythm(time, signals) -> Rhythm:
         return Rhythm(np.nan, np.zeros(signals.shape[1], complex), 0.0)
     wave, explained = beats(time, signals, frequency)
     total = signals.var(axis=0).sum()
-    return Rhythm(frequency, wave, float(explained / total) if total > 0 else 0.0)
+    return Rhythm(frequency, wave, min(1.0, float(explained / total)) if total > 0 else 0.0)
 
 
 def beats(time, signals, frequency):
@@ -44,8 +44,8 @@ def beats(time, signals, frequency):
     orders = np.arange(1, _HARMONICS + 1)
     orders = orders[orders * frequency < 0.5 / (t[1] - t[0])]
     turns = np.exp(2j * np.pi * frequency * np.outer(t, orders if len(orders) else [1]))
-    columns = np.column_stack((np.ones_like(t), t - t.mean(), turns.real, turns.imag))
-    found = np.linalg.lstsq(columns, signals, rcond=None)[0]
+    columns = np.column_stack((np.ones_like(t), t / t[-1] - 0.5, turns.real, turns.imag))
+    found = np.linalg.solve(columns.T @ columns, columns.T @ signals)  # few columns, nearly orthogonal
     count = turns.shape[1]
     wave = found[2] - 1j * found[2 + count]
     return wave, float((columns[:, 2:] @ found[2:]).var(axis=0).sum())

@@ -43,6 +43,9 @@ def _rows(g: Gait):
     yield "phase gradient along", g.gradient_along, "rad/m"
     yield "phase gradient across", g.gradient_across, "rad/m"
     yield "fit of that plane wave", g.gradient_fit, ""
+    if g.gradient_along:
+        pace = 2 * math.pi * g.frequency / abs(g.gradient_along)
+        yield f"wave of contraction, to the {'rear' if g.gradient_along > 0 else 'front'}", pace, "m/s"
     yield "phase shift between the sides", math.degrees(g.lateral_shift), "degrees"
     yield "agreement of the cells on it", g.lateral_agreement, ""
     yield "synchrony of muscles", g.synchrony, ""

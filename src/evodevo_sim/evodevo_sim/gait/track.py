@@ -63,14 +63,14 @@ class Track:
             bad = np.flatnonzero(~np.isfinite(values).reshape(frames, -1).all(axis=1)) if values is not None else ()
             if len(bad):
                 raise GaitError(f"{name} holds no number in frame {bad[0]} of {frames}: give a motion that did not fail")
-        if frames // 2 < LEAST_FRAMES:
-            raise GaitError(f"the motion has {frames} frames: a gait takes {2 * LEAST_FRAMES} or more")
         if not (np.diff(self.time) > 0).all():
             frame = int(np.flatnonzero(np.diff(self.time) <= 0)[0])
             raise GaitError(f"time does not run on after frame {frame}: give one run at a time")
 
     def second_half(self) -> Track:
-        """The later half, in frames evenly spaced."""
+        """The later half, in frames evenly spaced.  Raises GaitError where they are too few."""
+        if len(self.time) < 2 * LEAST_FRAMES:
+            raise GaitError(f"the motion has {len(self.time)} frames: a gait takes {2 * LEAST_FRAMES} or more")
         late = slice(len(self.time) // 2, None)
         time = self.time[late]
         even = np.linspace(time[0], time[-1], len(time))

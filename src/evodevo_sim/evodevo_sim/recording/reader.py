@@ -26,7 +26,7 @@ class Recording:
     """The messages of a recording, in the order in which they were written; what it does not hold is None or empty.
 
     Attributes: settings: Evolution; statistics: GenerationStatistics; champions: Champion; growth and states: CellStates;
-    growth_bodies: Body, where the embryo's graph changed; body: Body; truncated: whether the end is missing, or damaged.
+    growth_bodies: Body, where the embryo's graph changed; body: Body; gait: Gait of the states; truncated: whether the end is missing, or damaged.
     """
 
     path: Path
@@ -37,6 +37,7 @@ class Recording:
     growth_bodies: list[msg.Body] = field(default_factory=list)
     body: msg.Body | None = None
     states: list[msg.CellStates] = field(default_factory=list)
+    gait: msg.Gait | None = None
     truncated: bool = False
 
 
@@ -47,7 +48,9 @@ _LISTS = {
     "/growth/body": ("growth_bodies", msg.Body),
     "/cell_states": ("states", msg.CellStates),
 }
-_SINGLE = {"/evolution/settings": ("settings", msg.Evolution), "/body": ("body", msg.Body)}
+_SINGLE = {
+    "/evolution/settings": ("settings", msg.Evolution), "/body": ("body", msg.Body), "/gait": ("gait", msg.Gait),
+}
 
 
 def read_recording(path: str | os.PathLike, progress: bool = False) -> Recording:

@@ -134,12 +134,12 @@ def _graphs(states: list, bodies: list) -> list[np.ndarray]:
     return [springs[k] if fit else none for k, fit in zip(latest, fits)]
 
 
-def contrasting_cells(life: Life) -> list[int]:
-    """Two cells whose activations differ most over the second half of the swim, among those that are active; or fewer.
+def contrasting_cells(activation) -> list[int]:
+    """Two cells whose activations (T, N) differ most over the second half, among those that are active; or fewer.
 
     They show the phase gradient of a gait, as in the paper's Fig. 5.
     """
-    late = life.activation[len(life.time) // 2 :]
+    late = activation[len(activation) // 2 :]
     if not late.size:
         return []
     amplitude = np.ptp(late, axis=0)

@@ -7,6 +7,8 @@ from pathlib import Path
 from evodevo_msgs import msg
 
 from ..evaluation import Status
+from ..gait.recorded import gait_of_recording
+from ..gait.table import headline as gait_headline
 from ..recording import Recording
 from .life import Life
 
@@ -23,6 +25,9 @@ def headline(recording: Recording, life: Life) -> tuple[str, str]:
     if len(life.time):
         facts.append(f"{life.position.shape[1]} cells, {len(life.chambers)} chambers")
         facts.append(f"{life.distance[-1]:.2f} cell diameters in {life.time[-1] - life.time[0]:.1f} s")
+    gait = gait_of_recording(recording, life)
+    if gait is not None:
+        facts.append(gait.name)
     if recording.truncated:
         facts.append("the end of the recording is missing")
     return name_of(recording.path), "  ·  ".join(facts)
@@ -44,6 +49,9 @@ def markdown(recording: Recording, life: Life) -> str:
     if len(life.time):
         cells, seconds = life.position.shape[1], life.time[-1] - life.time[0]
         parts.append(f"**Shown:** {cells} cells, {seconds:.1f} s, {life.distance[-1]:.3g} cell diameters from birth.")
+    gait = gait_of_recording(recording, life)
+    if gait is not None:
+        parts.append(f"**Gait:** {gait_headline(gait)}; {gait.why}.")
     if recording.statistics:
         last = recording.statistics[-1]
         parts.append(
