@@ -64,7 +64,7 @@ def rowing(speed=0.3):
 
 
 def peristaltic(speed=0.3):
-    """A ribbon in waves of thickness: none of the classes."""
+    """A ribbon in waves of thickness, both sides alike."""
     rest = lattice()
     x, y = rest.T
     phase = TURN + 2 * np.pi / 3 * x

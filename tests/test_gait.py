@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 
 SWIMMERS = {
     gaits.undulating: "undulation", gaits.pulsing_bell: "jellyfish", gaits.tailed: "protrusions", gaits.rowing: "protrusions",
-    gaits.peristaltic: "unclear",
+    gaits.peristaltic: "peristalsis",
 }
 WALKERS = {gaits.hopping: "jump", gaits.running: "run", gaits.shifting: "mass shift"}
 EVERY = SWIMMERS | WALKERS

@@ -16,6 +16,7 @@ from ..parameters import ParameterError, Task, with_settings
 from ..recording import RecordingError, read_recording
 from ..replay import files
 from ..replay.life import life_of
+from ..replay.summary import name_of
 from .analysis import analyse
 from .recorded import track_of_recording
 from .sources import track_of_performance
@@ -30,8 +31,8 @@ examples:
   ros2 run evodevo_sim gait bags/MINE --walk
       a motion that `simulate --scene walk` recorded
 
-Swimmers are classed as protrusions, undulation or jellyfish; walkers as jump, run or mass shift; both, where no rule fits, as
-unclear or still. docs/gaits.md tells the rules. All numbers are of the second half of the motion.
+Swimmers are classed as protrusions, undulation, jellyfish or peristalsis; walkers as jump, run or mass shift; both, where no rule
+fits, as unclear or still. docs/gaits.md tells the rules. All numbers are of the second half of the motion.
 """
 
 
@@ -56,7 +57,7 @@ def main(arguments: list[str] | None = None) -> int:
             from .picture import save_gait
 
             with files.whole(given.out, ".png") as file:
-                save_gait(analysis, Path(given.source).resolve().stem, file)
+                save_gait(analysis, name_of(Path(given.source)), file)
     except (GaitError, GenomeError, ParameterError, RecordingError, files.OutputError) as error:
         parser.exit(2, f"{parser.prog}: {error}\n")
     return 0

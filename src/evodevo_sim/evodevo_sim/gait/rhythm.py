@@ -8,6 +8,7 @@ import numpy as np
 
 _PADDING = 8  # times as many samples, so that a parabola finds the peak between two
 _LEAST_CYCLES = 1.5  # in the time looked at
+_FASTEST = 0.4  # cycles a sample: at 0.5 a sine cannot be told from a cosine
 _HARMONICS = 4  # of the common frequency that count as coherent
 
 
@@ -58,6 +59,7 @@ def _dominant(time, signals) -> float:
     window = np.hanning(len(time))[:, None]
     power = (np.abs(np.fft.rfft(free * window, _PADDING * len(time), axis=0)) ** 2).sum(axis=1)
     least = int(np.ceil(_LEAST_CYCLES * _PADDING))
+    power = power[: int(_FASTEST * _PADDING * len(time))]
     if least + 1 >= len(power) - 1 or not power[least:].max() > 1e-18 * len(time) ** 2:
         return np.nan
     k = least + int(power[least:-1].argmax())

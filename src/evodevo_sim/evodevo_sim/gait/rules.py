@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ..parameters import Checked, parameter
 
 STILL, UNCLEAR = "still", "unclear"
-SWIMMING = ("protrusions", "undulation", "jellyfish")
+SWIMMING = ("protrusions", "undulation", "jellyfish", "peristalsis")  # the last is not in the paper
 WALKING = ("jump", "run", "mass shift")
 
 
@@ -22,13 +22,14 @@ class Rules(Checked):
     passive_share: float = parameter(0.5, 0.0, 1.0, "", "protrusions: share of cells up to which the motion is local")
     limb_thickness: float = parameter(2.4, 1.0, 100.0, "m", "protrusions: a limb is thinner than this, the body is not")
     limb_lead: float = parameter(1.5, 1.0, 1e3, "", "protrusions: power of the sway of a limb's cell, relative to others")
-    limb_power: float = parameter(0.25, 0.0, 1.0, "", "protrusions: share of the limbs in the power of the sway")
+    limb_power: float = parameter(0.4, 0.0, 1.0, "", "protrusions: share of the limbs in the power of the sway")
     antiphase: float = parameter(2 * math.pi / 3, 0.0, math.pi, "rad", "undulation: least phase shift between the sides")
-    in_phase: float = parameter(math.pi / 3, 0.0, math.pi, "rad", "jellyfish: most phase shift between the sides")
+    in_phase: float = parameter(math.pi / 3, 0.0, math.pi, "rad", "jellyfish, peristalsis: most phase shift between the sides")
     agreement: float = parameter(0.3, 0.0, 1.0, "", "of the cells on such a shift")
     slender: float = parameter(1.25, 1.0, 100.0, "", "undulation: least ratio of length to width, along the way")
     synchrony: float = parameter(0.7, 0.0, 1.0, "", "jellyfish: of muscles and of chambers")
     pulsation: float = parameter(0.02, 0.0, 1.0, "", "jellyfish: amplitude of the body's area, relative to the area")
+    wave_fit: float = parameter(0.8, 0.0, 1.0, "", "peristalsis: least fit of a plane wave to the phases")
     contact_height: float = parameter(1e-3, 0.0, 1.0, "m", "above the ground that still touch it")
     least_duty: float = parameter(0.05, 0.0, 1.0, "", "share of the time for which a cell of a foot touches")
     foot_gap: float = parameter(1.5, 0.0, 100.0, "m", "along the ground, between two feet")
@@ -64,6 +65,9 @@ def classify_swimmer(gait, rules: Rules = Rules()) -> tuple[str, str]:
     together = min(gait.synchrony, gait.area_synchrony)
     if agree and gait.lateral_shift <= rules.in_phase and together >= rules.synchrony and gait.pulsation >= rules.pulsation:
         return "jellyfish", f"all pulse together ({together:.2f}), the area by {gait.pulsation:.0%}"
+    travels = gait.gradient_fit >= rules.wave_fit and abs(gait.gradient_along) > abs(gait.gradient_across)
+    if agree and gait.lateral_shift <= rules.in_phase and gait.synchrony < rules.synchrony and travels:
+        return "peristalsis", f"{shift}, a wave of {abs(gait.gradient_along):.2g} rad/m along the body"
     return UNCLEAR, f"{shift} (agreement {gait.lateral_agreement:.2f}), synchrony {gait.synchrony:.2f}"
 
 
