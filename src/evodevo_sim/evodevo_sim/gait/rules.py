@@ -34,7 +34,8 @@ class Rules(Checked):
     least_duty: float = parameter(0.05, 0.0, 1.0, "", "share of the time for which a cell of a foot touches")
     foot_gap: float = parameter(1.5, 0.0, 100.0, "m", "along the ground, between two feet")
     least_flight: float = parameter(0.05, 0.0, 1.0, "", "jump, run: share of the time in the air; below it contact is kept")
-    alternation: float = parameter(-0.3, -1.0, 0.0, "", "run: most correlation of the contact of the end feet")
+    alternation: float = parameter(-0.5, -1.0, 0.0, "", "run: most association of the contacts of the end feet")
+    most_duty: float = parameter(0.6, 0.0, 1.0, "", "run: mean share of the time for which a foot stands; more is creeping")
     least_shift: float = parameter(0.01, 0.0, 1.0, "", "mass shift: amplitude of the mass over its support, in body lengths")
 
 
@@ -76,8 +77,8 @@ def classify_walker(gait, rules: Rules = Rules()) -> tuple[str, str]:
     none = _rhythmic(gait, rules)
     if none:
         return none
-    if gait.feet > 1 and gait.support <= rules.alternation:
-        return "run", f"the end feet alternate (correlation {gait.support:.2f}), {gait.flight:.0%} of the time in the air"
+    if gait.feet > 1 and gait.support <= rules.alternation and gait.duty <= rules.most_duty:
+        return "run", f"the end feet alternate ({gait.support:.2f}), each stands {gait.duty:.0%} of the time"
     if gait.flight >= rules.least_flight:
         return "jump", f"{gait.flight:.0%} of the time in the air"
     if gait.mass_shift >= rules.least_shift * gait.length:

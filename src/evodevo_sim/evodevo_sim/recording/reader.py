@@ -26,7 +26,8 @@ class Recording:
     """The messages of a recording, in the order in which they were written; what it does not hold is None or empty.
 
     Attributes: settings: Evolution; statistics: GenerationStatistics; champions: Champion; growth and states: CellStates;
-    growth_bodies: Body, where the embryo's graph changed; body: Body; gait: Gait of the states; truncated: whether the end is missing, or damaged.
+    growth_bodies: Body, where the embryo's graph changed; body: Body; gait: Gait; truncated: whether the end is missing, or
+    damaged.
     """
 
     path: Path
