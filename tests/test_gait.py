@@ -90,6 +90,13 @@ def test_noise_does_not_change_a_swimmer(make, seed):
     assert analyse(noisy).gait.name == SWIMMERS[make]
 
 
+def test_an_undulator_whose_cells_have_rhythms_of_their_own_too_is_one():
+    track, rng = made(gaits.undulating), np.random.default_rng(1)
+    own = 0.6 * np.sin(2 * np.pi * rng.uniform(0.4, 3.0, track.activation.shape[1]) * track.time[:, None])
+    gait = analyse(dataclasses.replace(track, activation=track.activation + own)).gait
+    assert gait.name == "undulation" and 0.25 < gait.coherence < 0.6
+
+
 @settings(max_examples=12, deadline=None)
 @given(st.sampled_from(list(WALKERS)), st.integers(0, 2**32))
 def test_noise_of_muscles_and_of_what_is_in_the_air_does_not_change_a_walker(make, seed):

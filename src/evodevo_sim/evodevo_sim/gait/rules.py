@@ -18,7 +18,7 @@ class Rules(Checked):
 
     least_amplitude: float = parameter(0.02, 0.0, 1.0, "", "mean amplitude of e - c below which muscles are still")
     least_travel: float = parameter(0.2, 0.0, 1e6, "m", "way in the second half below which the body is still")
-    least_coherence: float = parameter(0.6, 0.0, 1.0, "", "share of the muscles' variance at one rhythm, for a gait")
+    least_coherence: float = parameter(0.25, 0.0, 1.0, "", "share of the muscles' variance at one rhythm, for a gait")
     passive_share: float = parameter(0.5, 0.0, 1.0, "", "protrusions: share of cells up to which the motion is local")
     limb_thickness: float = parameter(2.4, 1.0, 100.0, "m", "protrusions: a limb is thinner than this, the body is not")
     limb_lead: float = parameter(1.5, 1.0, 1e3, "", "protrusions: power of the sway of a limb's cell, relative to others")
