@@ -67,7 +67,7 @@ def classify_swimmer(gait, rules: Rules = Rules()) -> tuple[str, str]:
     if agree and gait.lateral_shift <= rules.in_phase and together >= rules.synchrony and gait.pulsation >= rules.pulsation:
         return "jellyfish", f"all pulse together ({together:.2f}), the area by {gait.pulsation:.0%}"
     travels = gait.gradient_fit >= rules.wave_fit and abs(gait.gradient_along) > abs(gait.gradient_across)
-    if agree and gait.lateral_shift <= rules.in_phase and gait.synchrony < rules.synchrony and travels:
+    if agree and gait.lateral_shift <= rules.in_phase and together < rules.synchrony and travels:
         return "peristalsis", f"{shift}, a wave of {abs(gait.gradient_along):.2g} rad/m along the body"
     return UNCLEAR, f"{shift} (agreement {gait.lateral_agreement:.2f}), synchrony {gait.synchrony:.2f}"
 
