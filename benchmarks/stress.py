@@ -12,7 +12,7 @@ and scene).  Parameters lie in the documented ranges; those of the further cases
     momentum     lost or gained by a body that nothing outside acts on
     error        an exception
 
-Exit code: 0 without a fault, 1 with one.
+Exit code: 0 without a fault, 1 with one.  Ctrl-C ends it early and keeps what was done.
 """
 
 from __future__ import annotations
@@ -194,24 +194,20 @@ def _chunk(arguments):
         return [stress(seed, case, beyond) for case in range(first, last)]
 
 
-def run(seed, count, beyond, workers, progress=True):
-    """Rows of all cases, in order."""
-    chunks = [(seed, k, min(k + _CHUNK, total), far) for total, far in ((count, False), (beyond, True)) for k in range(0, total, _CHUNK)]
-    with tqdm(total=count + beyond, unit="case", disable=not progress) as bar:
-        rows = []
-
-        def take(some):
-            rows.extend(some)
-            bar.set_postfix_str(f"{sum(bool(r['faults']) for r in rows)} faults", refresh=False)
-            bar.update(len(some))
-
-        if workers == 1:
-            for chunk in chunks:
-                take(_chunk(chunk))
-        else:
-            with ProcessPoolExecutor(workers) as pool:
-                for some in pool.map(_chunk, chunks):
-                    take(some)
+def run(seed, count, beyond, workers, keep):
+    """Live all cases, in order, and `keep` each row as it comes; Ctrl-C ends it early.  Returns: the rows."""
+    chunks = [(seed, k, min(k + _CHUNK, total), far) for total, far in ((beyond, True), (count, False)) for k in range(0, total, _CHUNK)]
+    rows = []
+    with tqdm(total=count + beyond, unit="case") as bar, ProcessPoolExecutor(workers) as pool:
+        try:
+            for some in pool.map(_chunk, chunks):
+                for row in some:
+                    keep(row)
+                rows.extend(some)
+                bar.set_postfix_str(f"{sum(bool(r['faults']) for r in rows)} faults", refresh=False)
+                bar.update(len(some))
+        except KeyboardInterrupt:
+            pool.shutdown(wait=False, cancel_futures=True)
     return rows
 
 
@@ -246,11 +242,10 @@ def main() -> int:
     if given.only is not None:
         print(*(f"{k}: {v}" for k, v in stress(given.seed, given.only, given.beyond != 0).items()), sep="\n")
         return 0
-    rows = run(given.seed, given.count, given.beyond, given.workers)
     with open(given.out, "w", newline="") as file:
         writer = csv.DictWriter(file, COLUMNS)
         writer.writeheader()
-        writer.writerows(rows)
+        rows = run(given.seed, given.count, given.beyond, given.workers, writer.writerow)
     print(table(rows))
     faulty = [r for r in rows if r["faults"]]
     for r in faulty[:20]:
