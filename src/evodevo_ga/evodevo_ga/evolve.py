@@ -11,6 +11,9 @@ import rclpy
 from evodevo_msgs import msg
 from evodevo_sim import audit, perform, save_genome
 from evodevo_sim.evaluation import prepare
+from evodevo_sim.gait import GaitError, analyse, track_of_performance
+from evodevo_sim.gait.table import headline
+from evodevo_sim.messages import gait_message
 from evodevo_sim.nodes.common import stay_on_this_host
 from evodevo_sim.recording import Recorder, RecordingError, record_performance
 from rclpy.executors import SingleThreadedExecutor
@@ -183,7 +186,8 @@ class _Run:
             return 130
         champion = self.champion
         self._finish_audits()
-        record_performance(self.recorder, perform(champion.genome, self.options.task, self.options.seed), time.time_ns())
+        performance = perform(champion.genome, self.options.task, self.options.seed)
+        record_performance(self.recorder, performance, time.time_ns())
         m = champion.evaluation.metrics
         print(
             f"{self.evolution.generation + 1} generations, {self.evolution.evaluations} evaluations. "
@@ -191,10 +195,20 @@ class _Run:
             f"{m.distance:.2f} cell diameters in all, {m.distance_second_half:.2f} in the second half, "
             f"activation amplitude {m.activation_amplitude:.2f}.\n"
             f"Audit:    {self.verdict}\n"
+            f"Gait:     {self._gait(performance)}.\n"
             f"See it:   ros2 run evodevo_sim replay {self.options.out}\n"
             f"Genome:   {self.options.out / 'champion.yaml'}"
         )
         return 130 if self.stop.asked else 0
+
+    def _gait(self, performance) -> str:
+        """Find and record the gait of the champion.  Returns: it in words."""
+        try:
+            gait = analyse(track_of_performance(performance, self.options.task)).gait
+        except GaitError as error:
+            return f"none, {error}"
+        self.recorder.write("gait", gait_message(gait), time.time_ns(), latched=True)
+        return headline(gait)
 
 
 def _save(options: Options, generation: int, champion: Individual, verdict: str) -> None:

@@ -27,7 +27,7 @@ class Recording:
 
     Attributes: settings: Evolution; statistics: GenerationStatistics; champions: Champion; audits: Audit, of those champions
     that the run got to; growth and states: CellStates; growth_bodies: Body, where the embryo's graph changed; body: Body;
-    truncated: whether the end is missing, or damaged.
+    gait: Gait of the states; truncated: whether the end is missing, or damaged.
     """
 
     path: Path
@@ -39,6 +39,7 @@ class Recording:
     growth_bodies: list[msg.Body] = field(default_factory=list)
     body: msg.Body | None = None
     states: list[msg.CellStates] = field(default_factory=list)
+    gait: msg.Gait | None = None
     truncated: bool = False
 
 
@@ -50,7 +51,9 @@ _LISTS = {
     "/growth/body": ("growth_bodies", msg.Body),
     "/cell_states": ("states", msg.CellStates),
 }
-_SINGLE = {"/evolution/settings": ("settings", msg.Evolution), "/body": ("body", msg.Body)}
+_SINGLE = {
+    "/evolution/settings": ("settings", msg.Evolution), "/body": ("body", msg.Body), "/gait": ("gait", msg.Gait),
+}
 
 
 def read_recording(path: str | os.PathLike, progress: bool = False) -> Recording:

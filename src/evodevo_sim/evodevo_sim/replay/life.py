@@ -24,6 +24,7 @@ class Life:
     Attributes:
         growth_time (S,) s; growth: S poses; growth_springs: S arrays (E, 2) of the embryo's graph.
         time (T,) s, running on from growth; position (T, N, 2) m; activation (T, N) of e - c.
+        velocity (T, N, 2) m/s.
         springs (E, 2), outline (M, 2): cell indices; chambers: arrays of cell indices, counter-clockwise.
     """
 
@@ -36,6 +37,7 @@ class Life:
     springs: np.ndarray = field(default_factory=lambda: np.empty((0, 2), int))
     outline: np.ndarray = field(default_factory=lambda: np.empty((0, 2), int))
     chambers: list[np.ndarray] = field(default_factory=list)
+    velocity: np.ndarray | None = None
 
     @property
     def centre(self) -> np.ndarray:
@@ -69,6 +71,7 @@ def life_of(recording: Recording) -> Life:
             time=_seconds(states),
             position=np.array([_positions(state) for state in states]).reshape(len(states), cells, 2),
             activation=np.array([state.activation for state in states]).reshape(len(states), cells),
+            velocity=np.array([(s.velocity_x, s.velocity_y) for s in states]).reshape(len(states), 2, cells).swapaxes(1, 2),
             **({} if body is None else _parts(body)),
         )
     except (ValueError, IndexError):
@@ -131,12 +134,12 @@ def _graphs(states: list, bodies: list) -> list[np.ndarray]:
     return [springs[k] if fit else none for k, fit in zip(latest, fits)]
 
 
-def contrasting_cells(life: Life) -> list[int]:
-    """Two cells whose activations differ most over the second half of the swim, among those that are active; or fewer.
+def contrasting_cells(activation) -> list[int]:
+    """Two cells whose activations (T, N) differ most over the second half, among those that are active; or fewer.
 
     They show the phase gradient of a gait, as in the paper's Fig. 5.
     """
-    late = life.activation[len(life.time) // 2 :]
+    late = activation[len(activation) // 2 :]
     if not late.size:
         return []
     amplitude = np.ptp(late, axis=0)

@@ -6,6 +6,8 @@ from pathlib import Path
 
 from evodevo_msgs import msg
 
+from ..gait.recorded import gait_of_recording
+from ..gait.table import headline as gait_headline
 from ..outcome import Status
 from ..recording import Recording
 from .life import Life
@@ -25,6 +27,9 @@ def headline(recording: Recording, life: Life) -> tuple[str, str]:
     if len(life.time):
         facts.append(f"{life.position.shape[1]} cells, {len(life.chambers)} chambers")
         facts.append(f"{life.distance[-1]:.2f} cell diameters in {life.time[-1] - life.time[0]:.1f} s")
+    gait = gait_of_recording(recording, life)
+    if gait is not None:
+        facts.append(gait.name)
     if recording.truncated:
         facts.append("the end of the recording is missing")
     return name_of(recording.path), "  ·  ".join(facts)
@@ -46,6 +51,9 @@ def markdown(recording: Recording, life: Life) -> str:
     if len(life.time):
         cells, seconds = life.position.shape[1], life.time[-1] - life.time[0]
         parts.append(f"**Shown:** {cells} cells, {seconds:.1f} s, {life.distance[-1]:.3g} cell diameters from birth.")
+    gait = gait_of_recording(recording, life)
+    if gait is not None:
+        parts.append(f"**Gait:** {gait_headline(gait)}; {gait.why}.")
     if recording.statistics:
         last = recording.statistics[-1]
         parts.append(
