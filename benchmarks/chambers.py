@@ -13,8 +13,10 @@ from collections import Counter
 
 import numpy as np
 from evodevo_sim import Task
-from evodevo_sim.physics import INVERTED, SOUND, UNSTABLE, advance, choose_substeps, make_law, make_scratch, set_rest_lengths
 from evodevo_sim.parameters import with_settings
+from evodevo_sim.physics import (
+    INVERTED, SOUND, UNSTABLE, advance, choose_substeps, make_law, make_scratch, set_rest_lengths, substeps_in_drag,
+)
 from random_bodies import random_body
 from tqdm import tqdm
 
@@ -37,12 +39,13 @@ def alternating(rng, body):
 def live(body, sign, period, task, steps):
     """How the body's life ends."""
     law = make_law(task.material.arguments(), task.scene.arguments())
-    substeps = FINER * choose_substeps(body, law, task.control_step)
+    substeps = choose_substeps(body, law, task.control_step)
     position, velocity = body.position.T.copy(), np.zeros(body.position.T.shape)
     rest, scratch = body.rest_length.copy(), make_scratch(body)
     for k in range(steps):
         set_rest_lengths(body, sign * (1.0 if k // (period // 2) % 2 else -1.0), rest)
-        outcome = advance(body, law, rest, position, velocity, task.control_step, substeps, scratch)
+        many = FINER * substeps_in_drag(body, law, position, velocity, task.control_step, substeps, scratch)
+        outcome = advance(body, law, rest, position, velocity, task.control_step, many, scratch)
         if outcome != SOUND:
             return outcome
     return SOUND

@@ -28,9 +28,10 @@ import numba
 import numpy as np
 from evodevo_sim.energy import stored_energy
 from evodevo_sim.integrators import carry_adaptively, make_system, make_work
-from evodevo_sim.life import MOST_SUBSTEPS
 from evodevo_sim.motion import _FINER
-from evodevo_sim.physics import INVERTED, SOUND, UNSTABLE, Law, advance, choose_substeps, make_scratch, set_rest_lengths, settle
+from evodevo_sim.physics import (
+    INVERTED, MOST_SUBSTEPS, SOUND, UNSTABLE, Law, advance, choose_substeps, make_scratch, set_rest_lengths, settle, substeps_in_drag,
+)
 from evodevo_sim.stability import ADAPTIVE, EULER, INTEGRATORS, RK4, VERLET, bounds, choose_steps
 from evodevo_sim.trajectory import DOUBLINGS, carry_soundly, follow
 from random_bodies import random_body, random_muscles, random_parameters
@@ -105,7 +106,8 @@ def _swim(body, law, step, substeps, muscle, position, velocity, rest, scratch):
         set_rest_lengths(body, muscle[k + 1], rest)
         pushed = sum(stored_energy(body, law, rest, 0.0, position, velocity))
         through += abs(pushed - now)
-        outcome = advance(body, law, rest, position, velocity, step, substeps, scratch)
+        many = substeps_in_drag(body, law, position, velocity, step, substeps, scratch)
+        outcome = advance(body, law, rest, position, velocity, step, many, scratch)
         if outcome != SOUND:
             return outcome, through, created
         now = sum(stored_energy(body, law, rest, 0.0, position, velocity))
