@@ -95,7 +95,7 @@ def run(effort, out):
     with tempfile.TemporaryDirectory() as directory:
         libraries = compiled(Path(directory))
         forces = force_costs(sizes, rounds, libraries)
-    graphs = graph_costs(sizes, (1, 3, 7)[effort])
+    graphs = graph_costs(sizes, (1, 3, 5)[effort])
     write_csv(out / "force_cost.csv", forces)
     write_csv(out / "graph_cost.csv", graphs)
     if effort > TINY:

@@ -105,7 +105,7 @@ def lively(task, count):
 
 
 def run(effort, out):
-    sizes, rounds = (((8,), 2), ((32, 64), 5), ((8, 16, 32, 48, 64), 15))[effort]
+    sizes, rounds = (((8,), 2), ((32, 64), 5), ((8, 16, 32, 48, 64), 10))[effort]
     genome = champion()
     table = [measure(cells, genome, rounds) for cells in sizes]
     write_csv(out / "evaluation.csv", table)

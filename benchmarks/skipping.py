@@ -160,9 +160,9 @@ def resting(task, genomes):
 
 def run(effort, out):
     task = Task() if effort > TINY else Task(control_steps=100)
-    rounds, intervals = {TINY: (1, 20), QUICK: (5, 300), FULL: (15, 1000)}[effort]
+    rounds, intervals = {TINY: (1, 20), QUICK: (5, 300), FULL: (9, 1000)}[effort]
     table = scenes(slab(*((4, 3) if effort == TINY else (16, 4))), intervals, rounds) + networks(task, rounds)
-    rest = resting(task, {TINY: 2, QUICK: 5, FULL: 40}[effort])
+    rest = resting(task, {TINY: 2, QUICK: 5, FULL: 25}[effort])
     write_csv(out / "skipping.csv", table)
     write_csv(out / "resting.csv", rest)
     figures = [

@@ -100,7 +100,7 @@ def measure(body, name, method, values, steps, chunks, bar):
 
 
 def run(effort, out):
-    rows, columns, chunks = ((2, 5, 10), (12, 20, 12), (40, 60, 20))[effort]
+    rows, columns, chunks = ((2, 5, 10), (12, 20, 12), (30, 45, 20))[effort]
     body, steps = body_of(scattered(4, 3)), np.geomspace(*STEPS, columns)
     table, lines = [], {}
     with tqdm(total=9 * rows, desc="stability maps", leave=False) as bar:

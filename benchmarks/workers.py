@@ -39,7 +39,7 @@ def processors():
 
 
 def run(effort, out):
-    size, rounds = ((2, 1), (12, 2), (24, 7))[effort]
+    size, rounds = ((2, 1), (12, 2), (24, 5))[effort]
     genomes, task = population(size), Task(control_steps=2000 if effort > TINY else 20)
     pairs = [(genome, task) for genome in genomes]
     wall, cpu = {name: [] for name in WAYS}, {name: [] for name in WAYS}

@@ -98,3 +98,15 @@ def test_the_clock_takes_turns_in_both_orders():
     order = []
     race({name: lambda name=name: order.append(name) for name in "ab"}, 2, "turns")
     assert "".join(order) == "ab" + "ba" + "ab"
+
+
+def test_figures_go_between_the_marks_of_the_page_and_nowhere_else():
+    from page import DOCS, MARKS, fill
+    from run import PARTS
+
+    page = (DOCS / "benchmarks.md").read_text(encoding="utf-8")
+    assert len(MARKS.findall(page)) == len(PARTS) + 1  # and the aims
+    rows = [{"part": "cost", "what": "a", "measured": "1", "asked": "<= 2", "met": "True"}, {"part": "cost", "what": "b", "measured": "2", "asked": "", "met": ""}]
+    filled = fill(page, rows)
+    assert "| a | 1 |\n| b | 2 |\n" in filled and "| cost: a | 1 | <= 2 | met |" in filled
+    assert MARKS.sub(r"\1\3", filled) == MARKS.sub(r"\1\3", page)
