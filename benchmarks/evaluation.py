@@ -50,9 +50,9 @@ def measure(cells, genome, rounds):
     network = life.network, life.table, life.drive, life.start, life.neighbour, life.share
     born = life.table.copy()
 
-    def regulation():  # from birth every time: after thousands of steps what decays gets denormal, and slow
+    def regulation():  # a whole life from birth: what decays gets denormal after 1,500 steps, and slow
         life.table[:] = born
-        many_regulations(*network, task.development.regulation_rate, cells, CALLS)
+        many_regulations(*network, task.development.regulation_rate, cells, task.control_steps)
 
     seconds = best(race({
         "whole": lambda: evaluate(genome, task),
@@ -66,7 +66,7 @@ def measure(cells, genome, rounds):
     steps, calls = task.control_steps, 4 * life.substeps * task.control_steps
     force = seconds["forces"] / CALLS
     part = {"growth": seconds["growth"], "birth": max(seconds["birth"] - seconds["growth"], 0.0)}
-    part |= {name: seconds[name] / CALLS * steps for name in ("regulation", "checks")}
+    part |= {"regulation": seconds["regulation"], "checks": seconds["checks"] / CALLS * steps}
     part |= {term: max(force - seconds[f"without {term}"] / CALLS, 0.0) * calls for term in TERMS}
     part["springs"] = force * calls - sum(part[term] for term in TERMS)
     part["rest"] = seconds["whole"] - sum(part.values())

@@ -64,10 +64,10 @@ def scenes(body, intervals, rounds):
     on_ground = body._replace(position=body.position - [0.0, body.position[:, 1].min()])
     # name, kind, body, method, (changes of the law, of the system) as the scene has them, and the same with every term computed
     cases = [
-        ("swim: no gravity", "scene", body, RK4, ({}, {}), ({}, {"gravity": NEAR_NOTHING})),
-        ("walk: no drag", "scene", on_ground, EULER, (no_drag, walk), (little_drag, walk)),
-        ("free: no drag, no gravity", "scene", body, RK4, (no_drag, {}), (little_drag, {"gravity": NEAR_NOTHING})),
-        ("free, springs alone, muscles held", "scene", body, RK4, (springs[0], still[0]), (springs[1], {"gravity": NEAR_NOTHING, **still[1]})),
+        ("swim, without gravity", "scene", body, RK4, ({}, {}), ({}, {"gravity": NEAR_NOTHING})),
+        ("walk, without drag", "scene", on_ground, EULER, (no_drag, walk), (little_drag, walk)),
+        ("free, without drag and gravity", "scene", body, RK4, (no_drag, {}), (little_drag, {"gravity": NEAR_NOTHING})),
+        ("free, of springs alone, muscles held", "scene", body, RK4, (springs[0], still[0]), (springs[1], {"gravity": NEAR_NOTHING, **still[1]})),
         ("drag", "term", body, RK4, (no_drag, {}), (little_drag, {})),
         ("chambers", "term", body, RK4, ({"pressure": 0.0}, {}), ({"pressure": NEAR_NOTHING}, {})),
         ("damping", "term", body, RK4, ({"damping": 0.0}, {}), ({"damping": NEAR_NOTHING}, {})),
@@ -115,7 +115,7 @@ def networks(task, rounds):
         "outputs that nothing reads": born(genome, task, all_outputs, None, False),
         "inputs that the scene lacks": born(genome, task, two, "all", False),
         "units that feed nothing": born(genome, task, all_outputs, None, True),
-        "swim: outputs, inputs and units, all": born(genome, task, all_outputs, "all", True),
+        "swim, its network: outputs, inputs and units": born(genome, task, all_outputs, "all", True),
     }
     live_lean = lives(lean, task)
     return [
@@ -166,7 +166,7 @@ def run(effort, out):
     write_csv(out / "skipping.csv", table)
     write_csv(out / "resting.csv", rest)
     figures = [
-        Figure(PART, f"{row['what']} ({row['outcome']}): time with all computed, at the same bits", f"{row['ratio']:.2f} times")
+        Figure(PART, f"{row['kind']}: {row['what']} ({row['outcome']})", f"{row['ratio']:.2f} times as long with all computed, same bits")
         for row in table
     ]
     share = sum(row["rests"] for row in rest) / len(rest)
