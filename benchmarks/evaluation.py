@@ -114,8 +114,7 @@ def run(effort, out):
         errors += accuracy(genome, cells, max(2, rounds // 2), *((100, 8) if effort == TINY else (HORIZON, FINEST)))
     write_csv(out / "evaluation_error.csv", errors)
     figures = []
-    if effort > TINY:
-        draw(table, out / "evaluation.png")
+    draw(table, out / "evaluation.png")
     for row in table:
         if row["cells"] in (32, 64):
             text = ", ".join(f"{name} {row[f'{name}, %']:.0f}" for name in SHARES)
@@ -123,7 +122,8 @@ def run(effort, out):
     for cells in dict.fromkeys(row["cells"] for row in errors):
         mine = [row for row in errors if row["cells"] == cells]
         error, substeps = mine[0]["error"], mine[0]["substeps"]
-        figures.append(Figure(PART, f"{cells} cells: error in the default {substeps} substeps", f"{error:.1e}", "<= 5e-3", error <= 5e-3))
+        what = f"{cells} cells: error in the default {substeps} substeps"
+        figures.append(Figure(PART, what, f"{error:.1e}", "<= 5e-3", error <= 5e-3))
         for most, milliseconds in LIMITS:
             row = next((row for row in mine if row["error"] <= most), None)
             if row:
@@ -134,7 +134,8 @@ def run(effort, out):
         task = Task(development=Development(max_cells=64))
         random = best(race({k: lambda g=g: evaluate(g, task) for k, g in enumerate(lively(task, 4))}, 7, "random genomes"))
         times = [value / (table[-1]["milliseconds"] / 1e3) for value in random.values()]
-        figures.append(Figure(PART, "64 cells: time of random genomes that never rest over the champion's", f"{min(times):.2f} to {max(times):.2f}"))
+        text = f"{min(times):.2f} to {max(times):.2f}"
+        figures.append(Figure(PART, "64 cells: time of random genomes that never rest over the champion's", text))
     return figures
 
 

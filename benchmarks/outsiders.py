@@ -49,7 +49,8 @@ def touching(body):
         corners = body.polygon_cell[first:last]
         pairs += [(a, b) for a in corners for b in corners]
     i, j = np.array(pairs, np.int64).T
-    return (csr_matrix((np.ones(len(i)), (i, j)), (cells, cells)) + csr_matrix((np.ones(len(i)), (j, i)), (cells, cells)) + eye(cells)).tocsr()
+    near = csr_matrix((np.ones(len(i)), (i, j)), (cells, cells))
+    return (near + near.T + eye(cells)).tocsr()
 
 
 def lu_in_evaluations(system):
@@ -96,7 +97,8 @@ def outside(system, intervals, effort, note):
             continue
         y, (calls, newton, jacobians, factorisations) = found
         rows.append({
-            "integrator": name if length == 1 else f"{name} across", "effort": 10.0**-power, "evaluations": calls + factor * factorisations,
+            "integrator": name if length == 1 else f"{name} across", "effort": 10.0**-power,
+            "evaluations": calls + factor * factorisations,
             "without_jacobians": newton + factor * factorisations, "jacobians": jacobians, "factorisations": factorisations,
             "lu_in_evaluations": factor, "position": y[: 2 * cells].reshape(2, -1),
         })
@@ -114,7 +116,7 @@ def cases(effort, intervals):
 
 
 def solve(kind, right, intervals, length, **more):
-    """(state at the end, (evaluations, those but for Jacobians, Jacobians, factorisations) a control step), or None if it failed."""
+    """(state at the end, (evaluations, those but for Jacobians, Jacobians, factorisations) a control step), None if it failed."""
     used, y, h = np.zeros(3), right.start(), STEP / 8
     for k in range(0, intervals, length):
         solver = kind(right, k * STEP, y, (k + length) * STEP, first_step=min(h, 0.999999 * STEP), **more)

@@ -5,8 +5,8 @@
 
 A term is computed and changes no bit where its coefficient is 1e-200 in place of 0: what it gives is far below the last digit of
 any force (and far above the denormal numbers, which are slow).  Every pair of runs must end in the same bits, or the benchmark
-fails.  Units of a network that locomotion reads nothing from are kept by a weight of 1e-200 to the division factor.  Only the early exit of
-a life in which all rests is not exact, and its difference is given.
+fails.  Units of a network that locomotion reads nothing from are kept by a weight of 1e-200 to the division factor.  Only the
+early exit of a life in which all rests is not exact, and its difference is given.
 """
 
 from __future__ import annotations
@@ -67,7 +67,8 @@ def scenes(body, intervals, rounds):
         ("swim, without gravity", "scene", body, RK4, ({}, {}), ({}, {"gravity": NEAR_NOTHING})),
         ("walk, without drag", "scene", on_ground, EULER, (no_drag, walk), (little_drag, walk)),
         ("free, without drag and gravity", "scene", body, RK4, (no_drag, {}), (little_drag, {"gravity": NEAR_NOTHING})),
-        ("free, of springs alone, muscles held", "scene", body, RK4, (springs[0], still[0]), (springs[1], {"gravity": NEAR_NOTHING, **still[1]})),
+        ("free, of springs alone, muscles held", "scene", body, RK4, (springs[0], still[0]),
+         (springs[1], {"gravity": NEAR_NOTHING, **still[1]})),
         ("drag", "term", body, RK4, (no_drag, {}), (little_drag, {})),
         ("chambers", "term", body, RK4, ({"pressure": 0.0}, {}), ({"pressure": NEAR_NOTHING}, {})),
         ("damping", "term", body, RK4, ({"damping": 0.0}, {}), ({"damping": NEAR_NOTHING}, {})),
@@ -120,7 +121,8 @@ def networks(task, rounds):
     live_lean = lives(lean, task)
     return [
         compare(name, "scene" if name.startswith("swim") else "regulation", live_lean, lives(full, task), rounds,
-                f"{lean.network.nodes.size} of {full.network.nodes.size} nodes, {lean.network.weight.size} of {full.network.weight.size} weights")
+                f"{lean.network.nodes.size} of {full.network.nodes.size} nodes, "
+                f"{lean.network.weight.size} of {full.network.weight.size} weights")
         for name, full in cases.items()
     ]
 
@@ -153,8 +155,8 @@ def resting(task, genomes):
             "exit": lambda: evaluate(genome, task),  # noqa: B023
             "full": lambda: live_on(alive(), task.control_steps, task.control_step, development, continual),  # noqa: B023
         }, 2, "resting"))
-        rows.append({"seed": seed - 1, "rests": evaluation.status == Status.RESTING, "at_step": rested, "exit_ms": 1e3 * seconds["exit"],
-                     "full_ms": 1e3 * seconds["full"], "birth_ms": 1e3 * seconds["birth"], "moved_after_m": apart})
+        rows.append({"seed": seed - 1, "rests": evaluation.status == Status.RESTING, "at_step": rested, "moved_after_m": apart,
+                     **{f"{name}_ms": 1e3 * value for name, value in seconds.items()}})
     return rows
 
 
@@ -166,7 +168,8 @@ def run(effort, out):
     write_csv(out / "skipping.csv", table)
     write_csv(out / "resting.csv", rest)
     figures = [
-        Figure(PART, f"{row['kind']}: {row['what']} ({row['outcome']})", f"{row['ratio']:.2f} times as long with all computed, same bits")
+        Figure(PART, f"{row['kind']}: {row['what']} ({row['outcome']})",
+               f"{row['ratio']:.2f} times as long with all computed, same bits")
         for row in table
     ]
     share = sum(row["rests"] for row in rest) / len(rest)

@@ -11,7 +11,7 @@ times.  Lines: the step at which an eigenvalue of the linearised step leaves the
 from __future__ import annotations
 
 import numpy as np
-from common import Figure, body_of, main, plt, save, scattered, write_csv
+from common import TINY, Figure, body_of, main, plt, save, scattered, write_csv
 from evodevo_sim.integrators import make_system, make_work
 from evodevo_sim.physics import Law, accelerations, make_scratch
 from evodevo_sim.stability import EULER, INTEGRATORS, RK4, VERLET, bounds, longest_step
@@ -109,7 +109,8 @@ def run(effort, out):
                 points, lines[name, method] = measure(body, name, method, np.geomspace(*ends, rows), steps, chunks, bar)
                 table += points
     write_csv(out / "stability.csv", table)
-    draw(table, lines, rows, columns, out / "stability.png")
+    if effort > TINY:
+        draw(table, lines, rows, columns, out / "stability.png")
     figures = []
     for method in (EULER, VERLET, RK4):
         mine = [r for r in table if r["integrator"] == INTEGRATORS[method]]
@@ -131,8 +132,8 @@ def draw(table, lines, rows, columns, path):
             axis = axes[row, column]
             mine = [r for r in table if r["of"] == name and r["integrator"] == INTEGRATORS[method]]
             steps, values = [1e3 * r["step"] for r in mine[:columns]], [r["value"] for r in mine[::columns]]
-            axis.pcolormesh(steps, values, np.reshape([r["unstable"] for r in mine], (rows, columns)), cmap="RdYlGn_r", vmin=-0.3, vmax=1.3,
-                            shading="nearest", rasterized=True)
+            grown = np.reshape([r["unstable"] for r in mine], (rows, columns))
+            axis.pcolormesh(steps, values, grown, cmap="RdYlGn_r", vmin=-0.3, vmax=1.3, shading="nearest", rasterized=True)
             value, theory, bound = np.array(lines[name, method]).T
             axis.plot(1e3 * theory, value, "k-", label="theory: eigenvalues")
             axis.plot(1e3 * bound, value, "k--", label="bound of the library")

@@ -13,7 +13,7 @@ their evaluations only, since their time is Python's; an LU counts as the evalua
 from __future__ import annotations
 
 import numpy as np
-from common import FULL, STEP, Figure, best, main, plt, race, save, slab, write_csv
+from common import FULL, STEP, TINY, Figure, best, main, plt, race, save, slab, write_csv
 from evodevo_sim.integrators import make_system, make_work
 from evodevo_sim.physics import Law
 from evodevo_sim.stability import ADAPTIVE, EULER, INTEGRATORS, RK4, VERLET, bounds
@@ -45,7 +45,7 @@ def make_scene(name, columns, rows):
 
 
 def run(effort, out):
-    columns, rows, seconds, rounds = ((4, 3, 0.5, 1), (8, 4, 2.0, 2), (16, 4, 1000 * STEP, 2))[effort]
+    columns, rows, seconds, rounds = ((4, 3, 0.2, 1), (8, 4, 2.0, 2), (16, 4, 1000 * STEP, 2))[effort]
     table, figures = [], []
     for name in SCENES:
         system = make_scene(name, columns, rows)
@@ -77,7 +77,8 @@ def run(effort, out):
                     table.append({**about, **one, "error": error, "milliseconds": ""})
         figures += conclusions(table, name)
     write_csv(out / "work_precision.csv", table)
-    draw(table, out / "work_precision.png")
+    if effort > TINY:
+        draw(table, out / "work_precision.png")
     return figures
 
 

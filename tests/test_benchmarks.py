@@ -1,4 +1,4 @@
-"""Each benchmark runs in its smallest form, writes its tables, and holds what it claims of itself: equal bits, a sound reference."""
+"""Each benchmark runs in its smallest form and writes its tables, and what it claims of itself holds: equal bits, true theory."""
 
 import csv
 import sys
@@ -106,7 +106,8 @@ def test_figures_go_between_the_marks_of_the_page_and_nowhere_else():
 
     page = (DOCS / "benchmarks.md").read_text(encoding="utf-8")
     assert len(MARKS.findall(page)) == len(PARTS) + 1  # and the aims
-    rows = [{"part": "cost", "what": "a", "measured": "1", "asked": "<= 2", "met": "True"}, {"part": "cost", "what": "b", "measured": "2", "asked": "", "met": ""}]
+    names = ("part", "what", "measured", "asked", "met")
+    rows = [dict(zip(names, row)) for row in (("cost", "a", "1", "<= 2", "True"), ("cost", "b", "2", "", ""))]
     filled = fill(page, rows)
     assert "| a | 1 |\n| b | 2 |\n" in filled and "| cost: a | 1 | <= 2 | met |" in filled
     assert MARKS.sub(r"\1\3", filled) == MARKS.sub(r"\1\3", page)
