@@ -23,7 +23,7 @@ BASE = {"stiffness": 400.0, "damping": 1.0, "pressure": 400.0}
 AXES = {"stiffness": (20.0, 2e4), "damping": (0.1, 300.0), "pressure": (20.0, 2e4)}  # N/m, N s/m, N/m
 STEPS = (2e-3, 0.2)  # s
 PUSH, MOST = 1e-7, 1e-3  # m: displaced, and grown
-CHUNK = 50  # steps between looks
+CHUNK = 50  # steps between looks, where Verlet starts anew
 SLACK = 1e-4  # of the spectral radius, for the eigenvalues of 1 of free motion, which come in Jordan blocks
 
 
