@@ -15,13 +15,14 @@ FLAGS = {"cc -O3": ("-O3",), "cc -O3 -march=native": ("-O3", "-march=native")}
 _SIZES = ("cells", "springs", "triangles", "polygons", "outlines")
 _DOUBLES = ("inverse_mass", "triangle_area", "polygon_area", "rest")
 _INDICES = ("a", "b", "left", "right", "triangle", "polygon_start", "polygon_cell", "outline")
+_LAW = ("stiffness", "damping", "pressure", "drag_normal", "drag_tangential")
 
 
 class _Body(ctypes.Structure):
     _fields_ = (
         [(name, ctypes.c_int64) for name in _SIZES]
         + [(name, ctypes.c_void_p) for name in (*_DOUBLES, *_INDICES)]
-        + [(name, ctypes.c_double) for name in ("stiffness", "damping", "pressure", "drag_normal", "drag_tangential")]
+        + [(name, ctypes.c_double) for name in _LAW]
         + [(name, ctypes.c_void_p) for name in ("edge", "push")]
     )
 
@@ -51,8 +52,8 @@ def caller(library, in_passes, body, law, rest, position, velocity, calls):
     for name in arrays:
         arrays[name] = np.ascontiguousarray(arrays[name], np.uint32 if name in _INDICES else np.float64)
     sizes = (len(body.position), rest.size, body.triangle_area.size, body.polygon_area.size, body.outline_spring.size)
-    structure = _Body(**dict(zip(_SIZES, sizes)), **{name: array.ctypes.data for name, array in arrays.items()},
-                      **{name: getattr(law, name) for name in ("stiffness", "damping", "pressure", "drag_normal", "drag_tangential")})
+    pointers = {name: array.ctypes.data for name, array in arrays.items()}
+    structure = _Body(**dict(zip(_SIZES, sizes)), **pointers, **{name: getattr(law, name) for name in _LAW})
     out, position, velocity = np.empty(position.shape), np.ascontiguousarray(position), np.ascontiguousarray(velocity)
 
     def action(keep=arrays):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import csv
+import io
 import platform
 import time
 from collections import namedtuple
@@ -15,6 +16,7 @@ from evodevo_sim import Material, Scene, load_genome
 from evodevo_sim.body import build_body
 from evodevo_sim.gabriel import adjacency, gabriel_graph
 from evodevo_sim.physics import Law
+from PIL import Image
 from rich.console import Console
 from rich.table import Table
 from tqdm import tqdm
@@ -25,7 +27,6 @@ import matplotlib.pyplot as plt  # noqa: E402
 CHAMPION = Path(__file__).resolve().parents[1] / "bags" / "sample-swim" / "champion.yaml"
 STEP = 1 / 60  # s, of control
 TINY, QUICK, FULL = range(3)  # tests; --quick; the figures of docs/benchmarks.md
-NOTHING = np.zeros(0)
 
 # What a part found.  measured: text; asked: text, or nothing; met: True, False, or None where nothing is asked.
 Figure = namedtuple("Figure", "part what measured asked met", defaults=("", None))
@@ -106,9 +107,12 @@ def write_csv(path: Path, rows: list[dict]) -> None:
 
 
 def save(figure, path: Path) -> None:
+    """Write a PNG of few colours, which is small enough for a repository."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=90)
+    picture = io.BytesIO()
+    figure.savefig(picture, dpi=90)
     plt.close(figure)
+    Image.open(picture).convert("RGB").quantize(128).save(path, optimize=True)
 
 
 def show(figures: list[Figure]) -> None:

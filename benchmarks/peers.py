@@ -3,7 +3,8 @@
 
     python benchmarks/peers.py [--quick] [--out DIR]
 
-Substeps are not equal work: `what` says what each does.  Engines that are not installed are skipped; none belongs to the project:
+Substeps are not equal work: `what` says what each does.  All must sink onto the ground alike: the mean height after 1 s is
+given.  Engines that are not installed are skipped; none belongs to the project:
 
     pip install -c requirements.lock -r benchmarks/requirements-peers.txt
 """
@@ -54,7 +55,7 @@ class OursWithChambers(Ours):
 
 
 class MuJoCo:
-    what = "Euler, damping implicit; springs as spatial tendons; spheres on a plane, contact by its solver; one call for many substeps"
+    what = "Euler, damping implicit; springs as spatial tendons; spheres on a plane, by its solver; one call for many substeps"
 
     def __init__(self, body):
         import mujoco
@@ -65,7 +66,8 @@ class MuJoCo:
             for i, (x, y) in enumerate(body.position.tolist())
         )
         springs = "".join(
-            f'<spatial stiffness="{STIFFNESS}" damping="{DAMPING}" springlength="{rest!r}"><site site="s{a}"/><site site="s{b}"/></spatial>'
+            f'<spatial stiffness="{STIFFNESS}" damping="{DAMPING}" springlength="{rest!r}">'
+            f'<site site="s{a}"/><site site="s{b}"/></spatial>'
             for a, b, rest in zip(body.spring_a, body.spring_b, body.rest_length.tolist())
         )
         self.engine = mujoco
@@ -114,7 +116,7 @@ class Pymunk:
 
 
 class Taichi:
-    what = "symplectic Euler by hand in one kernel, springs and damping, float64, one thread, ground by clamping; one call for many substeps"
+    what = "symplectic Euler by hand in one kernel, springs, damping, float64, one thread, ground as ours; one call for many"
 
     def __init__(self, body):
         import peers_taichi
@@ -142,21 +144,22 @@ def run(effort, out):
     for name, engine in tqdm(engines.items(), desc="peers: a second of simulated time", leave=False):
         engine.run(round(1.0 / STEP))  # compiled; and fallen onto the ground
         heights[name] = engine.height()
-        began = time.thread_time()
+        began = time.process_time()
         engine.run(100)
-        batch[name] = max(100, int(100 * seconds / max(time.thread_time() - began, 1e-6)))
+        batch[name] = max(100, int(100 * seconds / max(time.process_time() - began, 1e-6)))
     rates = {name: [] for name in engines}
     for k in tqdm(range(rounds), desc="peers", leave=False):
         for name in list(engines)[:: 1 if k % 2 else -1]:
-            began = time.thread_time()
+            began = time.process_time()
             engines[name].run(batch[name])
-            rates[name].append(batch[name] / (time.thread_time() - began))
+            rates[name].append(batch[name] / (time.process_time() - began))
     for name in engines:
         if not np.isfinite(engines[name].height()):
             raise AssertionError(f"{name}: not finite")
         rate, ratio = max(rates[name]), max(rates["evodevo"]) / max(rates[name])
-        table.append({"engine": name, "substeps_per_second": rate, "times_slower": ratio, "height_after_1_s": heights[name], "what": engines[name].what})
-        text = f"{rate:,.0f} substeps a second" + ("" if name == "evodevo" else f", {ratio:.3g} times slower")
+        table.append({"engine": name, "substeps_per_second": rate, "time_over_ours": ratio, "height_after_1_s": heights[name],
+                      "what": engines[name].what})
+        text = f"{rate:,.0f} substeps a second" + ("" if name == "evodevo" else f", {ratio:.3g} times the time of ours")
         figures.append(Figure(PART, f"{name}: {engines[name].what}", f"{text}; mean height after 1 s {heights[name]:.3f} m"))
     figures += [Figure(PART, name, why) for name, why in missing.items()]
     write_csv(out / "peers.csv", table)

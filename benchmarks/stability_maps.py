@@ -11,7 +11,7 @@ times.  Lines: the step at which an eigenvalue of the linearised step leaves the
 from __future__ import annotations
 
 import numpy as np
-from common import Figure, body_of, main, plt, save, scattered, write_csv
+from common import TINY, Figure, body_of, main, plt, save, scattered, write_csv
 from evodevo_sim.integrators import make_system, make_work
 from evodevo_sim.physics import Law, accelerations, make_scratch
 from evodevo_sim.stability import EULER, INTEGRATORS, RK4, VERLET, bounds, longest_step
@@ -23,7 +23,7 @@ BASE = {"stiffness": 400.0, "damping": 1.0, "pressure": 400.0}
 AXES = {"stiffness": (20.0, 2e4), "damping": (0.1, 300.0), "pressure": (20.0, 2e4)}  # N/m, N s/m, N/m
 STEPS = (2e-3, 0.2)  # s
 PUSH, MOST = 1e-7, 1e-3  # m: displaced, and grown
-CHUNK = 50  # steps between looks
+CHUNK = 50  # steps between looks, where Verlet starts anew
 SLACK = 1e-4  # of the spectral radius, for the eigenvalues of 1 of free motion, which come in Jordan blocks
 
 
@@ -100,7 +100,7 @@ def measure(body, name, method, values, steps, chunks, bar):
 
 
 def run(effort, out):
-    rows, columns, chunks = ((4, 5, 10), (12, 20, 12), (40, 60, 20))[effort]
+    rows, columns, chunks = ((2, 5, 10), (12, 20, 12), (30, 45, 20))[effort]
     body, steps = body_of(scattered(4, 3)), np.geomspace(*STEPS, columns)
     table, lines = [], {}
     with tqdm(total=9 * rows, desc="stability maps", leave=False) as bar:
@@ -109,7 +109,8 @@ def run(effort, out):
                 points, lines[name, method] = measure(body, name, method, np.geomspace(*ends, rows), steps, chunks, bar)
                 table += points
     write_csv(out / "stability.csv", table)
-    draw(table, lines, rows, columns, out / "stability.png")
+    if effort > TINY:
+        draw(table, lines, rows, columns, out / "stability.png")
     figures = []
     for method in (EULER, VERLET, RK4):
         mine = [r for r in table if r["integrator"] == INTEGRATORS[method]]
@@ -131,8 +132,8 @@ def draw(table, lines, rows, columns, path):
             axis = axes[row, column]
             mine = [r for r in table if r["of"] == name and r["integrator"] == INTEGRATORS[method]]
             steps, values = [1e3 * r["step"] for r in mine[:columns]], [r["value"] for r in mine[::columns]]
-            axis.pcolormesh(steps, values, np.reshape([r["unstable"] for r in mine], (rows, columns)), cmap="RdYlGn_r", vmin=-0.3, vmax=1.3,
-                            shading="nearest", rasterized=True)
+            grown = np.reshape([r["unstable"] for r in mine], (rows, columns))
+            axis.pcolormesh(steps, values, grown, cmap="RdYlGn_r", vmin=-0.3, vmax=1.3, shading="nearest", rasterized=True)
             value, theory, bound = np.array(lines[name, method]).T
             axis.plot(1e3 * theory, value, "k-", label="theory: eigenvalues")
             axis.plot(1e3 * bound, value, "k--", label="bound of the library")

@@ -1,0 +1,113 @@
+"""Each benchmark runs in its smallest form and writes its tables, and what it claims of itself holds: equal bits, true theory."""
+
+import csv
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
+TABLES = {
+    "work_precision": ("work_precision.csv",),
+    "stability_maps": ("stability.csv",),
+    "cost": ("force_cost.csv", "graph_cost.csv"),
+    "evaluation": ("evaluation.csv", "evaluation_error.csv"),
+    "skipping": ("skipping.csv", "resting.csv"),
+    "workers": ("workers.csv",),
+    "peers": ("peers.csv",),
+}
+
+
+@pytest.fixture(autouse=True)
+def on_path(monkeypatch):
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+
+
+def rows_of(path):
+    with open(path, newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+@pytest.mark.parametrize("part", TABLES)
+def test_a_part_writes_its_tables_and_figures(part, tmp_path):
+    import run
+    from common import TINY
+
+    figures, failed = run.run(TINY, tmp_path, [part])
+    assert figures and not failed
+    assert [row["what"] for row in rows_of(tmp_path / "summary.csv")] == [one.what for one in figures]
+    for name in TABLES[part]:
+        rows = rows_of(tmp_path / name)
+        assert rows and all(len(row) == len(rows[0]) and None not in row for row in rows)
+
+
+def test_every_part_of_the_run_is_tested():
+    import run
+
+    assert list(TABLES) == list(run.PARTS)
+
+
+def test_a_part_that_fails_leaves_the_results_of_the_others(tmp_path, monkeypatch):
+    import common
+    import run
+    import skipping
+    import workers
+
+    def fail(effort, out):
+        raise AssertionError("other bits")
+
+    monkeypatch.setattr(skipping, "run", fail)
+    monkeypatch.setattr(workers, "run", lambda effort, out: [common.Figure("workers", "what", "1")])
+    figures, failed = run.run(common.TINY, tmp_path, ["skipping", "workers"])
+    assert [one.part for one in figures] == ["workers"] and failed == ["other bits"]
+
+
+def test_other_bits_are_refused():
+    from skipping import compare
+
+    with pytest.raises(AssertionError, match="drag: other bits"):
+        compare("drag", "term", lambda: (np.zeros(3),), lambda: (np.array([0.0, 0.0, 1e-300]),), 1, "")
+
+
+def test_the_theory_of_a_step_is_that_of_two_masses_on_a_spring():
+    from common import body_of
+    from evodevo_sim.integrators import make_system
+    from evodevo_sim.physics import Law
+    from evodevo_sim.stability import EULER, RK4, VERLET
+    from stability_maps import limit, linearised
+
+    k, c = linearised(make_system(body_of(np.array([(0.0, 0.0), (1.0, 0.0)])), Law(50.0, 0.0, 0.0, 0.0, 0.0)))
+    for method, most in ((EULER, 2.0), (VERLET, 2.0), (RK4, 2.828)):  # h w, of w = sqrt(2 k / m) = 10
+        assert limit(method, k, c, 0.01, 1.0) == pytest.approx(most / 10.0, rel=2e-3)
+
+
+def test_scipys_graph_is_ours():
+    from common import blob
+    from cost import delaunay_gabriel
+    from evodevo_sim.gabriel import gabriel_graph
+
+    for seed in range(5):
+        position = blob(64, seed).position
+        assert np.array_equal(gabriel_graph(position), delaunay_gabriel(position))
+
+
+def test_the_clock_takes_turns_in_both_orders():
+    from common import race
+
+    order = []
+    race({name: lambda name=name: order.append(name) for name in "ab"}, 2, "turns")
+    assert "".join(order) == "ab" + "ba" + "ab"
+
+
+def test_figures_go_between_the_marks_of_the_page_and_nowhere_else():
+    from page import DOCS, MARKS, fill
+    from run import PARTS
+
+    page = (DOCS / "benchmarks.md").read_text(encoding="utf-8")
+    assert len(MARKS.findall(page)) == len(PARTS) + 1  # and the aims
+    names = ("part", "what", "measured", "asked", "met")
+    rows = [dict(zip(names, row)) for row in (("cost", "a", "1", "<= 2", "True"), ("cost", "b", "2", "", ""))]
+    filled = fill(page, rows)
+    assert "| a | 1 |\n| b | 2 |\n" in filled and "| cost: a | 1 | <= 2 | met |" in filled
+    assert MARKS.sub(r"\1\3", filled) == MARKS.sub(r"\1\3", page)
