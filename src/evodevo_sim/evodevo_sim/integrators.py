@@ -20,7 +20,7 @@ from .contact import meet, meet_flat
 from .energy import add_power
 from .physics import SOUND, UNSTABLE, _copy, accelerations, make_scratch, set_rest_lengths
 from .stability import EULER, VERLET
-from .terrain import FLAT
+from .terrain import FLAT, touches
 
 _SLOWEST = 1e-9  # of an interval: an adaptive step below this has failed
 
@@ -122,12 +122,13 @@ def euler(system, t, h, position, velocity, work, ledger):
 @lean
 def _shift(system, t, seconds, position, velocity, work):
     """Velocities `seconds` later by present accelerations, but for what the ground holds: contacts across it, and by friction."""
-    a, y, u, v = work.slope_v[0], position[1], velocity[0], velocity[1]
+    a, x, y, u, v = work.slope_v[0], position[0], position[1], velocity[0], velocity[1]
+    flat = system.terrain.x.size == 0
     set_muscles(system, t)
     _accelerate(system, position, velocity, work.scratch, a)
     for i in range(y.size):
-        free = y[i] != 0.0 or v[i] > 0.0
-        if free or system.friction == 0.0:
+        free = y[i] != 0.0 or v[i] > 0.0 if flat else not touches(system.terrain, x[i], y[i])
+        if free or (flat and system.friction == 0.0):
             u[i] += seconds * a[0, i]
         if free:
             v[i] += seconds * a[1, i]

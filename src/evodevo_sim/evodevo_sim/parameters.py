@@ -128,8 +128,8 @@ class Task(Checked):
     full_activity: float = parameter(0.1, 1e-9, 1.0, "", "amplitude of e - c from which on a cell counts as active in full")
     activity_bonus: float = parameter(0.5, 0.0, 1e6, "m", "fitness for full activity of all cells alone")
     starts: int = parameter(1, 1, 1000, "", "walk: orientations at birth that are averaged")
-    settling_limit: int = parameter(1200, 1, 10_000_000, "", "walk: control steps within which a body must come to rest")
-    settling_drag: float = parameter(2.0, 0.0, 1e3, "1/s", "walk: rate at which speeds decay while it comes to rest")
+    settling_limit: int = parameter(1800, 1, 10_000_000, "", "walk: control steps within which a body must come to rest")
+    settling_drag: float = parameter(1.5, 0.0, 1e3, "1/s", "walk: rate at which speeds decay while it comes to rest")
     settled_speed: float = parameter(0.01, 1e-9, 1e3, "m/s", "walk: speed below which a cell rests")
 
     def __post_init__(self):
@@ -145,7 +145,7 @@ class Task(Checked):
 # What differs from the defaults above, by task.
 _OF_TASK: dict[str, dict[str, object]] = {
     "swim": {},
-    "walk": {"scene.drag_normal": 0.0, "scene.drag_tangential": 0.0, "scene.gravity": 9.81, "scene.friction": 0.8},
+    "walk": {"scene.drag_normal": 0.0, "scene.drag_tangential": 0.0, "scene.gravity": 5.0, "scene.friction": 0.8},
 }
 TASKS = tuple(_OF_TASK)
 

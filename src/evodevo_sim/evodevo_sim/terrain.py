@@ -16,6 +16,7 @@ CELL = 1.0  # m, diameter
 _FAR = 1e9  # m, where a profile's level ends end
 _LEAST_RUN = 1e-3  # m, from one point to the next
 _MOST_POINTS = 100_000
+_CLOSE = 1e-9  # m, and of a height: as near as rounding leaves what touches
 
 # x, y (K,): the ground, padded with its level ends, or empty: flat at 0; top: its highest point; ceiling_x, ceiling_depth,
 # bottom: likewise the ceiling, upside down (-y), and its lowest point; empty and infinity where there is none
@@ -71,7 +72,7 @@ def profile(xs, ys, x):
 def touching(scene, position) -> np.ndarray:
     """Whether cells at position (..., 2) touch ground or ceiling: (...) bool."""
     x, y = position[..., 0], position[..., 1]
-    close = 1e-9 * (1.0 + np.abs(y))  # a profile's height is rounded
+    close = _CLOSE * (1.0 + np.abs(y))
     touch = np.abs(y - profile(scene.ground_x, scene.ground_y, x)) <= close
     if len(scene.ceiling_x):
         touch |= np.abs(y - profile(scene.ceiling_x, scene.ceiling_y, x)) <= close
@@ -96,6 +97,16 @@ def height(xs, ys, x):
     """Height of a padded profile at x."""
     k = segment(xs, x)
     return ys[k] + (x - xs[k]) * ((ys[k + 1] - ys[k]) / (xs[k + 1] - xs[k]))
+
+
+@lean
+def touches(terrain, x, y):
+    """Whether a point is on the ground, or at the ceiling."""
+    close = _CLOSE * (1.0 + abs(y))
+    if abs(y - (height(terrain.x, terrain.y, x) if terrain.x.size else 0.0)) <= close:
+        return True
+    xs = terrain.ceiling_x
+    return xs.size > 0 and abs(y + height(xs, terrain.ceiling_depth, x)) <= close
 
 
 @lean
