@@ -80,7 +80,8 @@ class Fleet:
         results: list[Evaluation | None] = [None] * len(genomes)
         message, messages = task_message(task), [genome_message(genome) for genome in genomes]
         under_way: list[_Request] = []
-        patience = ANSWER_WITHIN + _SLOW_STEP * BATCH * IN_FLIGHT * (task.development.steps + task.control_steps)
+        steps = task.development.steps + task.starts * (task.settling_limit + task.control_steps)
+        patience = ANSWER_WITHIN + _SLOW_STEP * BATCH * IN_FLIGHT * steps
         while waiting or under_way:
             if stop():
                 return None

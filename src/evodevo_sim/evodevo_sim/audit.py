@@ -1,6 +1,7 @@
 """`audit(genome, task)`: whether a fitness stands when its life is repeated in finer steps and by a method of higher order.
 
-Three runs: as evolved; in `FINER` times the steps, genes and all; and with the same muscles by the adaptive pair, of order 5.
+Three runs of a swimmer: as evolved; in `FINER` times the steps, genes and all; and with the same muscles by the adaptive pair,
+of order 5.  Of a walker: see `walk_audit`.
 Each has its energy ledger: what muscles did must equal what drag and damping took and what is stored in the end.
 """
 
@@ -20,6 +21,7 @@ from .stability import ADAPTIVE, RK4
 from .swim import Swim
 from .swim_task import score
 from .trajectory import repeat
+from .walk_audit import audit_walk
 
 FINER = 8
 TOLERANCE = 1e-9  # m and m/s, of a step of the adaptive run
@@ -55,12 +57,20 @@ class Audit:
         return not self.faults
 
 
-def audit(genome: Genome, task: Task = Task(), seed: int = 0, most_change: float = MOST_CHANGE) -> Audit:
-    """Audit a genome's fitness.  Args: as for `evaluate`; most_change: of the fitness, relative, that still stands."""
+def audit(genome: Genome, task: Task = Task(), seed: int = 0, most_change: float | None = None) -> Audit:
+    """Audit a genome's fitness.
+
+    Args: as for `evaluate`; most_change: of the fitness, relative, that still stands; by default MOST_CHANGE, of a walker
+        that of `walk_audit`.
+    """
     first = perform(genome, task, seed)
     evaluation = first.evaluation
     if evaluation.cause:
         return Audit(evaluation, (), (f"it fails as evolved: {evaluation.cause}",))
+    if task.name == "walk":
+        evaluation, runs, faults = audit_walk(genome, task, seed, most_change, first.body, Run)
+        return Audit(evaluation, tuple(runs), tuple(faults))
+    most_change = MOST_CHANGE if most_change is None else most_change
     substeps = evaluation.metrics.substeps
     fine = perform(genome, task, seed, finer=FINER)
     runs = [

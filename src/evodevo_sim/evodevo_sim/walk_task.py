@@ -9,7 +9,10 @@ from .outcome import FAILURE, Evaluation, Metrics, Status, failure
 from .parameters import Task
 from .swim_task import given_inputs
 from .terrain import make_terrain
-from .walk import walk
+from .walk import OK, come_to_rest, hatch, lay_down, live, walk
+
+NOT_KEPT = np.empty((0, 0, 0)), np.empty((0, 0))
+__all__ = ["begin", "fitness_by_start", "headings", "kernel_arguments", "live", "progress", "run", "score", "start_fitness"]
 
 
 def kernel_arguments(genome: Genome, task: Task):
@@ -32,6 +35,17 @@ def run(genome: Genome, task: Task, seed: int, finer: int, track, traces) -> Eva
     return score(walk(*kernel_arguments(genome, task), headings(seed, task.starts), finer, track, traces, ledger), task)
 
 
+def begin(genome: Genome, task: Task, seed: int):
+    """A walker at rest on the ground, as in the first start of an evaluation: (status, Walker, Life)."""
+    genome, given, *others = kernel_arguments(genome, task)
+    status, walker = hatch(genome, *others, given.control_step, 1, np.zeros(0))
+    if status == OK:
+        status = lay_down(walker, headings(seed, 1)[0])
+    if status == OK:
+        status, _ = come_to_rest(walker, given)
+    return status, walker, walker.life
+
+
 def progress(path, task: Task):
     """(m in all, in the second half, in the slowest window) of every start, counted along the way from start to end.
 
@@ -48,6 +62,12 @@ def start_fitness(result, task: Task) -> np.ndarray:
     slowest = np.maximum(progress(result.path, task)[2], 0.0)
     earned = result.active * (task.windows * slowest + task.activity_bonus)
     return np.where(result.status == Status.UNSETTLED, 0.0, earned)
+
+
+def fitness_by_start(genome: Genome, task: Task, directions) -> np.ndarray:
+    """(S,) m: what a walker earns from each of these orientations (S, 2); nothing where it fails."""
+    result = walk(*kernel_arguments(genome, task), directions, 1, *NOT_KEPT, np.zeros((len(directions), 0)))
+    return start_fitness(result, task)
 
 
 def score(result, task: Task) -> Evaluation:
