@@ -17,7 +17,7 @@ import numpy as np
 
 from ._jit import lean
 from .contact import meet, meet_flat
-from .energy import add_power
+from .energy import add_muscle_power, add_power, resistances
 from .physics import SOUND, UNSTABLE, _copy, accelerations, make_scratch, set_rest_lengths
 from .stability import EULER, VERLET
 from .terrain import FLAT, touches
@@ -90,16 +90,21 @@ def _accelerate(system, position, velocity, scratch, out):
 
 @lean
 def euler(system, t, h, position, velocity, work, ledger):
-    """One symplectic step: velocities first, then what would pass the ground is put on it: see `contact`."""
+    """One symplectic step: velocities first, then what would pass the ground is put on it: see `contact`.
+
+    Its ledger counts a force's work by the mean of the velocities before and after it, which is exact for this method.
+    """
     a, x, y, u, v = work.slope_v[0], position[0], position[1], velocity[0], velocity[1]
     terrain, flat, ground = system.terrain, system.terrain.x.size == 0, system.ground
+    drag, damping = work.scratch.k1, work.scratch.k2
     set_muscles(system, t)
     if ledger.size:
-        add_power(system, t, position, velocity, 0.5 * h, work.scratch, ledger)
+        add_muscle_power(system, t, position, 0.5 * h, ledger)
+        resistances(system, position, velocity, work.scratch, drag, damping)
     _accelerate(system, position, velocity, work.scratch, a)
     for i in range(x.size):
         vx, vy = u[i] + h * a[0, i], v[i] + h * a[1, i]
-        before = vx * vx + vy * vy
+        before, mx, my = vx * vx + vy * vy, 0.5 * (u[i] + vx), 0.5 * (v[i] + vy)
         there = y[i] + h * vy
         if ground and flat and there < 0.0:
             vx, vy, slip = meet_flat(system.friction, h, y[i], vx, vy)
@@ -112,11 +117,14 @@ def euler(system, t, h, position, velocity, work, ledger):
             y[i] += h * vy
             x[i] += h * vx
         if ledger.size:
-            ledger[3] += 0.5 * (vx * vx + vy * vy - before) / system.body.inverse_mass[i]
+            mass = 1.0 / system.body.inverse_mass[i]
+            ledger[1] += h * mass * (drag[0, i] * mx + drag[1, i] * my)
+            ledger[2] += h * mass * (damping[0, i] * mx + damping[1, i] * my)
+            ledger[3] += 0.5 * mass * (vx * vx + vy * vy - before)
         u[i], v[i] = vx, vy
     if ledger.size:
         set_muscles(system, t + h)
-        add_power(system, t + h, position, velocity, 0.5 * h, work.scratch, ledger)
+        add_muscle_power(system, t + h, position, 0.5 * h, ledger)
 
 
 @lean

@@ -105,10 +105,11 @@ class Scene(Checked):
     def __post_init__(self):
         super().__post_init__()
         for name in PROFILES:
+            value = getattr(self, name)
             try:
-                object.__setattr__(self, name, tuple(float(value) for value in getattr(self, name)))
+                object.__setattr__(self, name, tuple(float(item) for item in (value if not isinstance(value, str) else None)))
             except (TypeError, ValueError):
-                raise ParameterError(f"scene.{name} is {getattr(self, name)!r}: give a world (--world), which is made of points") from None
+                raise ParameterError(f"scene.{name} is {value!r}: give a world, by --world, which is made of points") from None
         wrong = fault(*(getattr(self, name) for name in PROFILES))
         if wrong:
             raise ParameterError(f"scene: {wrong}")
@@ -127,7 +128,7 @@ class Task(Checked):
     windows: int = parameter(4, 2, 1000, "", "equal parts of the run, an even number, of which the slowest counts")
     full_activity: float = parameter(0.1, 1e-9, 1.0, "", "amplitude of e - c from which on a cell counts as active in full")
     activity_bonus: float = parameter(0.5, 0.0, 1e6, "m", "fitness for full activity of all cells alone")
-    starts: int = parameter(1, 1, 1000, "", "walk: orientations at birth that are averaged")
+    starts: int = parameter(2, 1, 1000, "", "walk: orientations at birth that are averaged")
     settling_limit: int = parameter(1800, 1, 10_000_000, "", "walk: control steps within which a body must come to rest")
     settling_drag: float = parameter(1.5, 0.0, 1e3, "1/s", "walk: rate at which speeds decay while it comes to rest")
     settled_speed: float = parameter(0.01, 1e-9, 1e3, "m/s", "walk: speed below which a cell rests")

@@ -29,7 +29,7 @@ def other_headings(seed: int) -> np.ndarray:
 
 
 def trial(genome: Genome, task: Task, directions, finer: int = 1):
-    """(Walk, fitness (S,), ledger (S, 4), least S / S0 of the first start) of a walker from these directions."""
+    """(Walk, fitness (S,), ledger (S, 4), positions (T + 1, N, 2) from the first) of a walker from these directions."""
     ledger = np.zeros((len(directions), 4))
     cells = task.development.max_cells
     track, traces = np.full((task.control_steps + 1, cells, 4), np.nan), np.full((task.control_steps + 1, cells), np.nan)
