@@ -92,7 +92,8 @@ def _accelerate(system, position, velocity, scratch, out):
 def euler(system, t, h, position, velocity, work, ledger):
     """One symplectic step: velocities first, then what would pass the ground is put on it: see `contact`.
 
-    Its ledger counts a force's work by the mean of the velocities before and after it, which is exact for this method.
+    Its ledger counts the work of every force and push by the mean of the velocities before and after the step, so that the gain
+    of kinetic energy is its sum exactly, and what rests on the ground takes and gives nothing.
     """
     a, x, y, u, v = work.slope_v[0], position[0], position[1], velocity[0], velocity[1]
     terrain, flat, ground = system.terrain, system.terrain.x.size == 0, system.ground
@@ -104,7 +105,7 @@ def euler(system, t, h, position, velocity, work, ledger):
     _accelerate(system, position, velocity, work.scratch, a)
     for i in range(x.size):
         vx, vy = u[i] + h * a[0, i], v[i] + h * a[1, i]
-        before, mx, my = vx * vx + vy * vy, 0.5 * (u[i] + vx), 0.5 * (v[i] + vy)
+        freely_x, freely_y = vx, vy
         there = y[i] + h * vy
         if ground and flat and there < 0.0:
             vx, vy, slip = meet_flat(system.friction, h, y[i], vx, vy)
@@ -117,10 +118,10 @@ def euler(system, t, h, position, velocity, work, ledger):
             y[i] += h * vy
             x[i] += h * vx
         if ledger.size:
-            mass = 1.0 / system.body.inverse_mass[i]
+            mass, mx, my = 1.0 / system.body.inverse_mass[i], 0.5 * (u[i] + vx), 0.5 * (v[i] + vy)
             ledger[1] += h * mass * (drag[0, i] * mx + drag[1, i] * my)
             ledger[2] += h * mass * (damping[0, i] * mx + damping[1, i] * my)
-            ledger[3] += 0.5 * mass * (vx * vx + vy * vy - before)
+            ledger[3] += mass * ((vx - freely_x) * mx + (vy - freely_y) * my)
         u[i], v[i] = vx, vy
     if ledger.size:
         set_muscles(system, t + h)

@@ -140,15 +140,20 @@ def live(walker, step, until, seconds, development, continual, range_of_muscle, 
     """Live from one control step to another, in place.  Args and result: as for `swim.live`."""
     life, ledger = walker.life, walker.ledger
     body, muscle, position, velocity = life.body, life.muscle, life.position, life.velocity
-    gravity = walker.system.gravity
+    gravity, half = walker.system.gravity, 0.5 * seconds / walker.steps
     while step < until:
         if track.size:
             keep(life, track[step], traces[step])
+        # Muscles do their work at once, half a step ago: the velocities are those of then.
         if ledger.size:
-            ledger[0] -= stored_energy(body, life.law, life.rest, gravity, position, velocity)[1]
+            then = life.scratch.position
+            for i in range(muscle.size):
+                then[0, i] = position[0, i] - half * velocity[0, i]
+                then[1, i] = position[1, i] - half * velocity[1, i]
+            ledger[0] -= stored_energy(body, life.law, life.rest, gravity, then, velocity)[1]
         think(life, step, development, continual)
-        if ledger.size:  # muscles do their work at once
-            ledger[0] += stored_energy(body, life.law, life.rest, gravity, position, velocity)[1]
+        if ledger.size:
+            ledger[0] += stored_energy(body, life.law, life.rest, gravity, life.scratch.position, velocity)[1]
         outcome = move(walker, seconds)
         if outcome != SOUND:
             return (INVERTED_CHAMBER if outcome == INVERTED else UNSTABLE_PHYSICS), step
