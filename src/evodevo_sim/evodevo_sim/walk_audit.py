@@ -19,7 +19,7 @@ STARTS = 16
 FINER = 8
 MOST_CHANGE = 0.25  # of the mean over the starts, by finer steps
 LEAST_SHARE = 0.5  # of the fitness, that the median of other starts must reach
-MOST_GAP, MOST_FINE_GAP = 0.1, 0.02  # of the energy that went through, that may be missing: Euler is of order 1
+MOST_GAP, MOST_FINE_GAP = 0.02, 0.003  # of the energy that went through, that may be missing
 _OTHER = 1  # second part of the seed of the other starts
 
 
