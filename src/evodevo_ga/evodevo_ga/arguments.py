@@ -11,6 +11,8 @@ from evodevo_sim import ParameterError, Task
 from evodevo_sim.command_line import Parser, pairs
 from evodevo_sim.nodes.common import without_ros
 from evodevo_sim.parameters import PRESETS, TASKS, default_task, preset, with_settings
+from evodevo_sim.worlds import PRESETS as WORLDS
+from evodevo_sim.worlds import with_world
 
 from .evolution import Settings
 
@@ -22,6 +24,8 @@ examples:
       a long run; Ctrl-C ends it at any time and keeps all that was done
   ros2 run evodevo_ga evolve --preset high_drag
       in a thick fluid
+  ros2 run evodevo_ga evolve --task walk --world rough
+      a walker on uneven ground (docs/walking.md tells the worlds)
   ros2 run evodevo_ga evolve --set scene.drag_normal=10 --set scene.drag_tangential=0.05
       any number of the model can be set so (docs/model.md lists them)
 
@@ -49,6 +53,8 @@ def parse(arguments: list[str]) -> Options:
     """Options of a command line.  Leaves with exit code 2 and one line where something is wrong."""
     parser = Parser("evolve", "Evolve soft-bodied animats that grow from one cell and move without a central controller.", _EPILOG)
     parser.add_argument("--task", default=TASKS[0], metavar="NAME", help=f"what to evolve for: {', '.join(TASKS)} (default %(default)s)")
+    parser.add_argument("--world", metavar="NAME|FILE", help=f"walk: {', '.join(WORLDS)}, or a file of your own (default flat)")
+    parser.add_argument("--starts", type=int, metavar="N", help=f"walk: orientations at birth that are averaged (default {default_task('walk').starts})")
     parser.add_argument("--cells", default=32, type=int, metavar="N", help="most cells of a body (default %(default)s)")
     parser.add_argument("--seed", default=1, type=int, metavar="N", help="same seed, same champions, bit for bit (default %(default)s)")
     parser.add_argument("--out", metavar="DIR", help="directory of the run, made anew (default bags/TASK-DATE-TIME)")
@@ -65,8 +71,12 @@ def parse(arguments: list[str]) -> Options:
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="set a number of the model, e.g. material.stiffness=300")
     given = parser.parse_args(without_ros(parser, arguments))
     try:
+        task = default_task(given.task)
+        if given.world is not None:
+            task = with_world(task, given.world)
+        starts = {} if given.starts is None else {"starts": given.starts}
         named = preset(given.preset) if given.preset else {}
-        task = with_settings(default_task(given.task), {"development.max_cells": given.cells, **named, **pairs(given.set)})
+        task = with_settings(task, {"development.max_cells": given.cells, **starts, **named, **pairs(given.set)})
         settings = Settings(**{field.name: getattr(given, field.name) for field in dataclasses.fields(Settings)})
     except ParameterError as error:
         parser.error(str(error))

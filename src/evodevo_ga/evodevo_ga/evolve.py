@@ -110,7 +110,7 @@ class _Run:
                     raise
                 print("They do not answer.")
         count = o.simulators or cores()
-        with OwnSimulators(count, o.out / "simulators.log") as own:
+        with OwnSimulators(count, o.out / "simulators.log", o.task.name) as own:
             print(f"Evolving on {count} simulators of our own; recording to {o.out}", flush=True)
             self._evolve(Fleet(self.node, self.executor, own.services), _START, own.alive)
 

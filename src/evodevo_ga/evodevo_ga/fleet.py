@@ -80,7 +80,8 @@ class Fleet:
         results: list[Evaluation | None] = [None] * len(genomes)
         message, messages = task_message(task), [genome_message(genome) for genome in genomes]
         under_way: list[_Request] = []
-        patience = ANSWER_WITHIN + _SLOW_STEP * BATCH * IN_FLIGHT * (task.development.steps + task.control_steps)
+        steps = task.development.steps + task.starts * (task.settling_limit + task.control_steps)
+        patience = ANSWER_WITHIN + _SLOW_STEP * BATCH * IN_FLIGHT * steps
         while waiting or under_way:
             if stop():
                 return None
@@ -125,7 +126,8 @@ class Fleet:
 class OwnSimulators:
     """Simulator nodes of this process's own, as a context: started together, ended by their ids, and with us if we are killed."""
 
-    def __init__(self, count: int, log_path: str | os.PathLike | None = None):
+    def __init__(self, count: int, log_path: str | os.PathLike | None = None, task: str = Task.name):
+        self._task = task
         self.namespace = f"/_evolve_{os.getpid()}"
         self._count = count
         self._log_path = log_path
@@ -143,6 +145,7 @@ class OwnSimulators:
         with log:
             for i in range(self._count):
                 command = [sys.executable, "-m", "evodevo_sim.nodes.simulator", "--ros-args", "-r", f"__ns:={self.namespace}/sim_{i}"]
+                command += ["-p", f"task:={self._task}"]
                 # A session of their own: Ctrl-C reaches us alone, and we end them in good order.
                 self._processes.append(
                     subprocess.Popen(

@@ -1,6 +1,7 @@
 """`audit(genome, task)`: whether a fitness stands when its life is repeated in finer steps and by a method of higher order.
 
-Three runs: as evolved; in `FINER` times the steps, genes and all; and with the same muscles by the adaptive pair, of order 5.
+Three runs of a swimmer: as evolved; in `FINER` times the steps, genes and all; and with the same muscles by the adaptive pair,
+of order 5.  Of a walker: see `walk_audit`.
 Each has its energy ledger: what muscles did must equal what drag and damping took and what is stored in the end.
 
 A quick audit, for every new champion of an evolution, takes a quarter of the time: the two better runs move by the same muscles,
@@ -26,8 +27,9 @@ from .stability import ADAPTIVE, RK4
 from .swim import Swim
 from .swim_task import score
 from .trajectory import repeat
+from .walk_audit import audit_walk
 
-TASKS = ("swim",)  # that audits can repeat
+TASKS = ("swim", "walk")  # that audits can repeat
 FINER = 8
 TOLERANCE = 1e-9  # m and m/s, of a step of the adaptive run
 QUICK_FINER, QUICK_TOLERANCE = 4, 1e-6
@@ -66,10 +68,11 @@ class Audit:
         return not self.faults
 
 
-def audit(genome: Genome, task: Task = Task(), seed: int = 0, most_change: float = MOST_CHANGE, quick: bool = False) -> Audit:
+def audit(genome: Genome, task: Task = Task(), seed: int = 0, most_change: float | None = None, quick: bool = False) -> Audit:
     """Audit a genome's fitness.
 
-    Args: as for `evaluate`; most_change: of the fitness, relative, that still stands; quick: see above.
+    Args: as for `evaluate`; most_change: of the fitness, relative, that still stands; by default MOST_CHANGE, of a walker
+        that of `walk_audit`; quick: see above.
     """
     if task.name not in TASKS:
         raise ParameterError(f"task {task.name!r} has no audit yet: give one of {', '.join(TASKS)}")
@@ -77,6 +80,10 @@ def audit(genome: Genome, task: Task = Task(), seed: int = 0, most_change: float
     evaluation = first.evaluation
     if evaluation.cause:
         return Audit(evaluation, (), (f"it fails as evolved: {evaluation.cause}",))
+    if task.name == "walk":
+        evaluation, runs, faults = audit_walk(genome, task, seed, most_change, quick, first.body, Run)
+        return Audit(evaluation, tuple(runs), tuple(faults))
+    most_change = MOST_CHANGE if most_change is None else most_change
     finer, tolerance = (QUICK_FINER, QUICK_TOLERANCE) if quick else (FINER, TOLERANCE)
     fine = None if quick else perform(genome, task, seed, finer=finer)
     runs = [
@@ -89,7 +96,7 @@ def audit(genome: Genome, task: Task = Task(), seed: int = 0, most_change: float
 
 def prepare(task: Task = Task(), say=print) -> None:
     """Compile what audits need beyond evaluations, where no process has yet; `say` is told if it is us."""
-    if task.name not in TASKS or is_compiled("trajectory.repeat"):
+    if task.name != "swim" or is_compiled("trajectory.repeat"):
         return
     say("Compiling the kernels of audits, once: about half a minute.")
     position = np.array([(0.0, 0.0), (1.0, 0.0), (0.5, 0.9)])

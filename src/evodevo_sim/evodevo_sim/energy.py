@@ -56,11 +56,8 @@ def least_chamber(body, position):
 
 
 @lean
-def add_power(system, t, position, velocity, seconds, scratch, ledger):
-    """Add `seconds` times the present power of muscles, drag and damping to a ledger (4,).
-
-    Args: system: see `integrators.System`, its rest lengths those of time t; scratch: see `physics.Scratch`, whose k1 is used.
-    """
+def add_muscle_power(system, t, position, seconds, ledger):
+    """Add `seconds` times the present power of muscles that are driven to a ledger (4,).  Args: as for `add_power`."""
     body, law = system.body, system.law
     if system.amplitude.size:
         x, y, power = position[0], position[1], 0.0
@@ -70,11 +67,31 @@ def add_power(system, t, position, velocity, seconds, scratch, ledger):
             speed = 0.2 * (_muscle_speed(system, i, t) + _muscle_speed(system, j, t)) * body.rest_length[e]
             power -= law.stiffness * (length - system.rest[e]) * speed
         ledger[0] += seconds * power
+
+
+@lean
+def add_power(system, t, position, velocity, seconds, scratch, ledger):
+    """Add `seconds` times the present power of muscles, drag and damping to a ledger (4,).
+
+    Args: system: see `integrators.System`, its rest lengths those of time t; scratch: see `physics.Scratch`, whose k1 is used.
+    """
+    body, law = system.body, system.law
+    add_muscle_power(system, t, position, seconds, ledger)
     if law.drag_normal != 0.0 or law.drag_tangential != 0.0:
         drag = Law(0.0, 0.0, 0.0, law.drag_normal, law.drag_tangential)
         ledger[1] += seconds * _power(body, drag, system.rest, position, velocity, scratch)
     if law.damping != 0.0:
         ledger[2] += seconds * _power(body, Law(0.0, law.damping, 0.0, 0.0, 0.0), system.rest, position, velocity, scratch)
+
+
+@lean
+def resistances(system, position, velocity, scratch, drag, damping):
+    """Fill drag and damping (2, N) with the accelerations by each alone."""
+    law = system.law
+    accelerations(
+        system.body, Law(0.0, 0.0, 0.0, law.drag_normal, law.drag_tangential), system.rest, position, velocity, scratch, drag
+    )
+    accelerations(system.body, Law(0.0, law.damping, 0.0, 0.0, 0.0), system.rest, position, velocity, scratch, damping)
 
 
 @lean

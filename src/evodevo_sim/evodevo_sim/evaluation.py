@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import swim_task
+from . import swim_task, walk_task
 from ._jit import is_compiled, remove_old_caches
 from .body import build_body
 from .genome import Genome, random_genome
@@ -16,8 +16,8 @@ from .parameters import Task
 from .swim_task import kernel_arguments
 
 # Every task: run(genome, task, seed, finer, track, traces) -> Evaluation
-_RUN = {"swim": swim_task.run}
-_KERNEL = {"swim": "swim.swim"}
+_RUN = {"swim": swim_task.run, "walk": walk_task.run}
+_KERNEL = {"swim": "swim.swim", "walk": "walk.walk"}
 _NOT_KEPT = np.empty((0, 0, 0)), np.empty((0, 0))
 
 
@@ -49,7 +49,7 @@ def evaluate(genome: Genome, task: Task = Task(), seed: int = 0) -> Evaluation:
     Args:
         genome: see `Genome`.
         task: what for.
-        seed: of whatever the task draws at random; swimming draws nothing.
+        seed: of whatever the task draws at random; of walking, the orientations at birth; swimming draws nothing.
     """
     return _RUN[task.name](genome, task, seed, 1, *_NOT_KEPT)
 

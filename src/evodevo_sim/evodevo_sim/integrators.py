@@ -16,17 +16,19 @@ from collections import namedtuple
 import numpy as np
 
 from ._jit import lean
-from .energy import add_power
+from .contact import meet, meet_flat
+from .energy import add_muscle_power, add_power, resistances
 from .physics import SOUND, UNSTABLE, _copy, accelerations, make_scratch, set_rest_lengths
 from .stability import EULER, VERLET
+from .terrain import FLAT, touches
 
 _SLOWEST = 1e-9  # of an interval: an adaptive step below this has failed
 _MOST_TRIES = 100_000  # of adaptive steps in an interval
 
-# What moves a body.  law: see `physics.Law`; gravity m/s^2, downward; friction: Coulomb's coefficient; ground: whether y = 0
-# is solid; amplitude, frequency (Hz), phase (rad): (N,) of e - c = amplitude sin(2 pi frequency t + phase), or empty: rest
+# What moves a body.  law: see `physics.Law`; gravity m/s^2, downward; friction: Coulomb's coefficient; ground: whether the
+# terrain is solid; terrain: see `terrain.Terrain`; amplitude, frequency (Hz), phase (rad): (N,) of e - c = amplitude sin(2 pi frequency t + phase), or empty: rest
 # lengths are held.  Scratch or held: muscle (N,) of e - c, rest (E,) m.
-System = namedtuple("System", "body law gravity friction ground amplitude frequency phase muscle rest")
+System = namedtuple("System", "body law gravity friction ground terrain amplitude frequency phase muscle rest")
 # scratch: see `physics.Scratch`; slope_p, slope_v (7, 2, N): slopes of both at up to seven stages; power (4,): the ledger of a
 # step that may still be refused.
 Work = namedtuple("Work", "scratch slope_p slope_v power")
@@ -54,12 +56,13 @@ _DORMAND_PRINCE = (
 )
 
 
-def make_system(body, law, gravity=0.0, friction=0.0, ground=False, drive=None) -> System:
+def make_system(body, law, gravity=0.0, friction=0.0, ground=False, drive=None, terrain=FLAT) -> System:
     """A system at zero activation.  Args: drive: (amplitude, frequency, phase), (N,) each, or None: rest lengths are held."""
     cells = len(body.position)
     drive = tuple(np.zeros(0) for _ in range(3)) if drive is None else tuple(np.array(a, np.float64) for a in drive)
     return System(
-        body, law, float(gravity), float(friction), bool(ground), *drive, np.zeros(cells), body.rest_length.astype(np.float64)
+        body, law, float(gravity), float(friction), bool(ground), terrain, *drive, np.zeros(cells),
+        body.rest_length.astype(np.float64),
     )
 
 
@@ -87,48 +90,55 @@ def _accelerate(system, position, velocity, scratch, out):
 
 
 @lean
-def _euler(system, t, h, position, velocity, work, ledger):
-    """One symplectic step: velocities first.  A cell that would pass the ground is put on it, and Coulomb friction takes its
-    share; a sliding cell moves by its mean velocity, so that a block stops where it should."""
+def euler(system, t, h, position, velocity, work, ledger):
+    """One symplectic step: velocities first, then what would pass the ground is put on it: see `contact`.
+
+    Its ledger counts the work of every force and push by the mean of the velocities before and after the step, so that the gain
+    of kinetic energy is its sum exactly, and what rests on the ground takes and gives nothing.
+    """
     a, x, y, u, v = work.slope_v[0], position[0], position[1], velocity[0], velocity[1]
+    terrain, flat, ground = system.terrain, system.terrain.x.size == 0, system.ground
+    drag, damping = work.scratch.k1, work.scratch.k2
     set_muscles(system, t)
     if ledger.size:
-        add_power(system, t, position, velocity, 0.5 * h, work.scratch, ledger)
+        add_muscle_power(system, t, position, 0.5 * h, ledger)
+        resistances(system, position, velocity, work.scratch, drag, damping)
     _accelerate(system, position, velocity, work.scratch, a)
     for i in range(x.size):
         vx, vy = u[i] + h * a[0, i], v[i] + h * a[1, i]
-        if system.ground and y[i] + h * vy < 0.0:
-            before = vx * vx + vy * vy
-            landing = -y[i] / h
-            most = system.friction * (landing - vy)
-            vy = landing
-            if abs(vx) <= most:
-                vx = 0.0
-            else:
-                most = most if vx > 0.0 else -most
-                vx -= most
-                x[i] += 0.5 * h * most
+        freely_x, freely_y = vx, vy
+        there = y[i] + h * vy
+        if ground and flat and there < 0.0:
+            vx, vy, slip = meet_flat(system.friction, h, y[i], vx, vy)
+            x[i] += slip
+            x[i] += h * vx
             y[i] = 0.0
-            if ledger.size:
-                ledger[3] += 0.5 * (vx * vx + vy * vy - before) / system.body.inverse_mass[i]
+        elif ground and not flat and (there < terrain.top or there > terrain.bottom):
+            x[i], y[i], vx, vy = meet(terrain, system.friction, h, x[i], y[i], vx, vy)
         else:
             y[i] += h * vy
-        x[i] += h * vx
+            x[i] += h * vx
+        if ledger.size:
+            mass, mx, my = 1.0 / system.body.inverse_mass[i], 0.5 * (u[i] + vx), 0.5 * (v[i] + vy)
+            ledger[1] += h * mass * (drag[0, i] * mx + drag[1, i] * my)
+            ledger[2] += h * mass * (damping[0, i] * mx + damping[1, i] * my)
+            ledger[3] += mass * ((vx - freely_x) * mx + (vy - freely_y) * my)
         u[i], v[i] = vx, vy
     if ledger.size:
         set_muscles(system, t + h)
-        add_power(system, t + h, position, velocity, 0.5 * h, work.scratch, ledger)
+        add_muscle_power(system, t + h, position, 0.5 * h, ledger)
 
 
 @lean
 def _shift(system, t, seconds, position, velocity, work):
     """Velocities `seconds` later by present accelerations, but for what the ground holds: contacts across it, and by friction."""
-    a, y, u, v = work.slope_v[0], position[1], velocity[0], velocity[1]
+    a, x, y, u, v = work.slope_v[0], position[0], position[1], velocity[0], velocity[1]
+    flat = system.terrain.x.size == 0
     set_muscles(system, t)
     _accelerate(system, position, velocity, work.scratch, a)
     for i in range(y.size):
-        free = y[i] != 0.0 or v[i] > 0.0
-        if free or system.friction == 0.0:
+        free = y[i] != 0.0 or v[i] > 0.0 if flat else not touches(system.terrain, x[i], y[i])
+        if free or (flat and system.friction == 0.0):
             u[i] += seconds * a[0, i]
         if free:
             v[i] += seconds * a[1, i]
@@ -207,7 +217,7 @@ def carry(system, method, t, seconds, steps, position, velocity, work, ledger):
     for step in range(steps):
         now = t + step * h
         if method == EULER:
-            _euler(system, now, h, position, velocity, work, ledger)
+            euler(system, now, h, position, velocity, work, ledger)
         elif method == VERLET:
             _verlet(system, now, h, position, velocity, work, ledger)
         else:

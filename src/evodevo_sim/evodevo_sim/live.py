@@ -9,6 +9,7 @@ from concurrent.futures import Future
 
 import numpy as np
 
+from . import walk_task
 from .genome import Genome
 from .life import birth
 from .outcome import FAILURE, STIFF, Status
@@ -46,8 +47,7 @@ class Animat:
 
     def reset(self) -> None:
         """Back to birth.  The target stays."""
-        genome, task, *others = kernel_arguments(self.genome, self.task)
-        status, self._life = birth(genome, *others, task.control_step, 1)
+        status, self._mover, self._life = _BEGIN[self.task.name](self.genome, self.task, self.seed)
         self.status = Status(status)
         if self.status != Status.OK:
             raise NotViable(STIFF if self.status == Status.UNSTABLE else self.cause)
@@ -70,12 +70,23 @@ class Animat:
         """Live for one control step: one regulation step, then the body's."""
         if self.status == Status.OK:
             task = self.task
-            status, _ = live(
-                self._life, self.steps, self.steps + 1, task.control_step, task.development.arguments(),
+            status, _ = _LIVE[task.name](
+                self._mover, self.steps, self.steps + 1, task.control_step, task.development.arguments(),
                 task.development.variant == "continual_graph", _NOT_KEPT, _NO_TRACK, _NOT_KEPT,
             )
             self.status = Status(status)
         self.steps += 1
+
+
+def _begin_swim(genome, task, _seed):
+    genome, task, *others = kernel_arguments(genome, task)
+    status, life = birth(genome, *others, task.control_step, 1)
+    return status, life, life
+
+
+# By task: begin(genome, task, seed) -> (status, what live moves, Life); live: see `swim.live`
+_BEGIN = {"swim": _begin_swim, "walk": walk_task.begin}
+_LIVE = {"swim": live, "walk": walk_task.live}
 
 
 def _read_only(array):

@@ -16,7 +16,7 @@ from std_msgs.msg import Header
 
 from .genome import Genome
 from .outcome import Evaluation, Metrics, Status
-from .parameters import Task
+from .parameters import Scene, Task
 
 
 def task_message(task: Task) -> msg.Task:
@@ -27,6 +27,11 @@ def task_message(task: Task) -> msg.Task:
 def task_from_message(message: msg.Task) -> Task:
     """The task of a message.  Raises ParameterError that names the setting and what would work."""
     return _object(Task, message)
+
+
+def scene_from_message(message: msg.Scene) -> Scene:
+    """The scene of a message.  Raises ParameterError."""
+    return _object(Scene, message)
 
 
 def genome_message(genome: Genome) -> msg.Genome:

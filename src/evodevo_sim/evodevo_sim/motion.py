@@ -17,10 +17,12 @@ import numpy as np
 
 from .body_file import BodyError, OwnBody
 from .integrators import System, make_system, make_work
-from .parameters import ParameterError, Scene
+from .parameters import ParameterError, Scene, Task
 from .physics import INVERTED, SOUND, Law
 from .stability import ADAPTIVE, EULER, INTEGRATORS, bounds, choose_steps, longest_step
+from .terrain import FLAT, make_terrain, profile
 from .trajectory import follow
+from .worlds import with_world
 
 SCENES = ("swim", "walk", "free")
 FRAME = 1 / 60  # s between frames where no step is given
@@ -55,7 +57,7 @@ class Motion:
 
 
 def simulate_body(own: OwnBody, scene: str = "swim", duration: float = 10.0, *, dt: float | None = None,
-                  tolerance: float | None = None, integrator: str | None = None) -> Motion:
+                  tolerance: float | None = None, integrator: str | None = None, world: str | None = None) -> Motion:
     """Simulate a body from its file's state.
 
     Args:
@@ -63,10 +65,11 @@ def simulate_body(own: OwnBody, scene: str = "swim", duration: float = 10.0, *, 
         dt: s of a step, exactly; by default steps follow from the body's stiffness, damping, drag and muscles.
         tolerance: most error of an adaptive step, in m for coordinates and in m/s for speeds.
         integrator: one of `stability.INTEGRATORS`; by default rk4, adaptive where a tolerance is given, euler in walk.
+        world: of the walk scene, a name or a file: see `worlds`; by default flat ground.
 
     Raises: ParameterError or BodyError that names what is wrong and the mend.
     """
-    system = make_scene(own, scene)
+    system = make_scene(own, scene, world)
     method = _method(scene, integrator, dt, tolerance)
     time = _frames(duration, dt, len(own.velocity))
     bound = bounds(system)
@@ -100,25 +103,40 @@ def simulate_body(own: OwnBody, scene: str = "swim", duration: float = 10.0, *, 
     return Motion(time, track[0][: done + 1], track[1][: done + 1], activation, cause, INTEGRATORS[method], system)
 
 
-def make_scene(own: OwnBody, scene: str) -> System:
+def make_scene(own: OwnBody, scene: str, world: str | None = None) -> System:
     """The body in its world."""
     if scene not in SCENES:
         raise ParameterError(f"scene {scene!r} is unknown: choose one of {', '.join(SCENES)}")
+    if world is not None and scene != "walk":
+        raise ParameterError(f"world {world!r} is for the scene walk: {scene} has no ground")
     given = own.scene
-    drag, gravity, friction = (0.0, 0.0), 0.0, 0.0
+    drag, gravity, friction, terrain = (0.0, 0.0), 0.0, 0.0, FLAT
     if scene != "walk":
         default = Scene() if scene == "swim" else Scene(0.0, 0.0)
         drag = given.get("drag_normal", default.drag_normal), given.get("drag_tangential", default.drag_tangential)
     if scene == "free":
         gravity = given.get("gravity", 0.0)
     if scene == "walk":
-        gravity, friction = given.get("gravity", GRAVITY), given.get("friction", FRICTION)
-        below = np.flatnonzero(own.body.position[:, 1] < 0)
-        if len(below):
-            y = own.body.position[below[0], 1]
-            raise BodyError(f"position[{below[0]}][1] is {y:g}: walk has ground at y = 0, start no cell below it")
+        there = with_world(Task("walk", scene=Scene(0.0, 0.0, GRAVITY, FRICTION)), world or "flat").scene
+        gravity, friction = given.get("gravity", there.gravity), given.get("friction", there.friction)
+        terrain = make_terrain(there)
+        _refuse_inside(own.body.position, there)
     drive = (own.amplitude, own.frequency, own.phase) if own.amplitude.any() else None
-    return make_system(own.body, Law(*own.stuff, *drag), gravity, friction, scene == "walk", drive)
+    return make_system(own.body, Law(*own.stuff, *drag), gravity, friction, scene == "walk", drive, terrain)
+
+
+def _refuse_inside(position, scene: Scene):
+    x, y = position.T
+    ground = profile(scene.ground_x, scene.ground_y, x)
+    below = np.flatnonzero(y < ground)
+    if len(below):
+        k = below[0]
+        raise BodyError(f"position[{k}][1] is {y[k]:g}: walk has ground at y = {ground[k]:g}, start no cell below it")
+    ceiling = profile(scene.ceiling_x, scene.ceiling_y, x) if scene.ceiling_x else np.inf
+    above = np.flatnonzero(y > ceiling)
+    if len(above):
+        k = above[0]
+        raise BodyError(f"position[{k}][1] is {y[k]:g}: the world's ceiling is at y = {ceiling[k]:g}, start no cell above it")
 
 
 def _method(scene, integrator, dt, tolerance):

@@ -18,12 +18,16 @@ class Status(IntEnum):
     UNSTABLE = 4
     INVERTED = 5
     INVALID_GENOME = 6
+    UNSETTLED = 7
+    NO_ROOM = 8
 
 
 STIFF = f"the body needs more than {MOST_SUBSTEPS} physics steps in a control step: lower stiffness, damping or pressure, or raise mass"
 
 # Fitness of what cannot be scored: all of it below a body that stands still, ordered so that growing comes before failing.
 FAILURE = {
+    Status.UNSETTLED: (-0.5, "the body did not come to rest on the ground within task.settling_limit"),
+    Status.NO_ROOM: (-0.75, "the body does not fit below the ceiling where it starts"),
     Status.NO_CHAMBER: (-1.0, "the body has no closed chamber"),
     Status.NO_GROWTH: (-2.0, "the egg never divided"),
     Status.INVERTED: (-3.0, "a chamber turned inside out or a spring collapsed"),
@@ -44,6 +48,8 @@ class Metrics:
     distance_second_half: float = 0.0
     slowest_window: float = 0.0
     activation_amplitude: float = 0.0
+    settling_steps: int = 0
+    worst_start: float = 0.0
 
 
 @dataclass(frozen=True)

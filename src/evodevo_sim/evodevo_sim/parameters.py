@@ -12,7 +12,10 @@ import math
 from collections import namedtuple
 from dataclasses import dataclass, field
 
+from .terrain import fault
+
 VARIANTS = ("continual_graph", "graph_at_end")
+PROFILES = ("ground_x", "ground_y", "ceiling_x", "ceiling_y")
 
 
 class ParameterError(ValueError):
@@ -92,6 +95,24 @@ class Scene(Checked):
 
     drag_normal: float = parameter(40.0, 0.0, 1e6, "kg/m^2", "drag across an outline edge, d_N")
     drag_tangential: float = parameter(0.2, 0.0, 1e6, "kg/m^2", "drag along an outline edge, d_T")
+    gravity: float = parameter(0.0, 0.0, 1e4, "m/s^2", "downward; of the walk task alone")
+    friction: float = parameter(0.0, 0.0, 1e3, "", "Coulomb's coefficient on ground and ceiling, static and kinetic")
+    ground_x: tuple[float, ...] = ()  # m, ascending; with ground_y: the ground's profile (see `terrain`); none: flat at y = 0
+    ground_y: tuple[float, ...] = ()
+    ceiling_x: tuple[float, ...] = ()  # likewise the ceiling's; none: no ceiling
+    ceiling_y: tuple[float, ...] = ()
+
+    def __post_init__(self):
+        super().__post_init__()
+        for name in PROFILES:
+            value = getattr(self, name)
+            try:
+                object.__setattr__(self, name, tuple(float(item) for item in (value if not isinstance(value, str) else None)))
+            except (TypeError, ValueError):
+                raise ParameterError(f"scene.{name} is {value!r}: give a world, by --world, which is made of points") from None
+        wrong = fault(*(getattr(self, name) for name in PROFILES))
+        if wrong:
+            raise ParameterError(f"scene: {wrong}")
 
 
 @dataclass(frozen=True)
@@ -107,6 +128,10 @@ class Task(Checked):
     windows: int = parameter(4, 2, 1000, "", "equal parts of the run, an even number, of which the slowest counts")
     full_activity: float = parameter(0.1, 1e-9, 1.0, "", "amplitude of e - c from which on a cell counts as active in full")
     activity_bonus: float = parameter(0.5, 0.0, 1e6, "m", "fitness for full activity of all cells alone")
+    starts: int = parameter(2, 1, 1000, "", "walk: orientations at birth that are averaged")
+    settling_limit: int = parameter(1800, 1, 10_000_000, "", "walk: control steps within which a body must come to rest")
+    settling_drag: float = parameter(1.5, 0.0, 1e3, "1/s", "walk: rate at which speeds decay while it comes to rest")
+    settled_speed: float = parameter(0.01, 1e-9, 1e3, "m/s", "walk: speed below which a cell rests")
 
     def __post_init__(self):
         super().__post_init__()
@@ -119,7 +144,10 @@ class Task(Checked):
 
 
 # What differs from the defaults above, by task.
-_OF_TASK: dict[str, dict[str, object]] = {"swim": {}}
+_OF_TASK: dict[str, dict[str, object]] = {
+    "swim": {},
+    "walk": {"scene.drag_normal": 0.0, "scene.drag_tangential": 0.0, "scene.gravity": 5.0, "scene.friction": 0.8},
+}
 TASKS = tuple(_OF_TASK)
 
 

@@ -18,6 +18,7 @@ from .nodes.common import without_ros
 from .parameters import ParameterError
 from .recording import Recorder, RecordingError
 from .stability import INTEGRATORS
+from .worlds import PRESETS
 
 _EPILOG = """\
 examples:
@@ -29,7 +30,7 @@ examples:
 
 scenes:
   swim   fluid drag; no gravity
-  walk   gravity and flat ground at y = 0 with Coulomb friction; no drag
+  walk   gravity and ground with Coulomb friction, flat at y = 0 unless --world says otherwise; no drag
   free   no ground, and of the other terms those alone that the file's scene names
 
 The NPZ file holds time (T,), position (T, N, 2) and velocity (T, N, 2), float64. The recording holds about 60 frames a second.
@@ -41,6 +42,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = Parser("simulate", "Simulate a soft body of your own.", _EPILOG)
     parser.add_argument("body", metavar="BODY", help="a body file, YAML or JSON")
     parser.add_argument("--scene", default="swim", metavar="NAME", help=f"{', '.join(SCENES)} (default %(default)s)")
+    parser.add_argument("--world", metavar="NAME|FILE", help=f"walk: {', '.join(PRESETS)}, or a file (docs/walking.md; default flat)")
     parser.add_argument("--duration", required=True, type=float, metavar="S", help="simulated seconds")
     parser.add_argument("--dt", type=float, metavar="S", help="seconds of a step, exactly")
     parser.add_argument("--tolerance", type=float, metavar="M", help="most error of an adaptive step, in m and m/s")
@@ -53,7 +55,8 @@ def main(arguments: list[str] | None = None) -> int:
         own = load_body(given.body)
         say_if_compiling("trajectory.follow")
         motion = simulate_body(
-            own, given.scene, given.duration, dt=given.dt, tolerance=given.tolerance, integrator=given.integrator
+            own, given.scene, given.duration, dt=given.dt, tolerance=given.tolerance, integrator=given.integrator,
+            world=given.world,
         )
         with Recorder(given.out) as recorder:
             record_motion(recorder, own, motion, time.time_ns())

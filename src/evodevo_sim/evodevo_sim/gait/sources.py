@@ -6,6 +6,7 @@ import numpy as np
 
 from ..evaluation import Performance
 from ..parameters import Task
+from ..terrain import profile
 from .track import GaitError, Track, World
 
 
@@ -21,8 +22,11 @@ def world_of_task(task: Task) -> World:
 
 
 def ground_of_task(task: Task):
-    """Flat ground for walkers, None for swimmers."""
-    return flat if task.name == "walk" else None
+    """The height of a walker's ground, as in `Track`; None for swimmers."""
+    if task.name != "walk":
+        return None
+    scene = task.scene
+    return (lambda x: profile(scene.ground_x, scene.ground_y, x)) if scene.ground_x else flat
 
 
 def parts_of_body(body) -> dict:

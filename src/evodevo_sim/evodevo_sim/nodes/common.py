@@ -15,6 +15,8 @@ from rclpy.impl.implementation_singleton import rclpy_implementation as _rcl
 from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
+from ..parameters import ParameterError
+
 END_WITHIN = 2.0  # s for good order after SIGINT or SIGTERM
 DISCOVERY = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 
@@ -63,7 +65,7 @@ def run(make_node, parser: argparse.ArgumentParser, arguments: list[str] | None 
 
 
 _USER_ERRORS = (
-    InvalidParameterTypeException, InvalidParameterValueException, rclpy.exceptions.ROSInterruptException,
+    InvalidParameterTypeException, InvalidParameterValueException, rclpy.exceptions.ROSInterruptException, ParameterError,
 )
 
 

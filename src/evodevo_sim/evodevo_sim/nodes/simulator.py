@@ -21,7 +21,7 @@ from ..messages import (
     body_message, cell_states_message, evaluation_message, genome_from_message, task_from_message,
 )
 from ..outcome import Evaluation
-from ..parameters import ParameterError
+from ..parameters import TASKS, ParameterError, default_task
 from .common import run
 
 LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -41,7 +41,8 @@ class Simulator(Node):
         self._frame = self.declare_parameter("frame_id", "world", _fixed("frame of positions and targets")).value
         self._most = self.declare_parameter("max_batch", 1000, _fixed("genomes in one request, at the most", 1, 10_000)).value
         every = self.declare_parameter("publish_every", 1, _fixed("control steps between cell states", 1, 100_000)).value
-        prepare(say=self.get_logger().info)  # the first request does not wait
+        first = self.declare_parameter("task", TASKS[0], _fixed("task whose first request does not wait")).value
+        prepare(default_task(first), self.get_logger().info)
 
         self._body = self.create_publisher(Body, "body", LATCHED)
         self._states = self.create_publisher(CellStates, "cell_states", qos_profile_sensor_data)
@@ -156,6 +157,7 @@ parameters, e.g. -p publish_every:=4
   frame_id       world   frame of positions and targets
   max_batch      1000    genomes in one request, at the most
   publish_every  1       control steps between cell states
+  task           swim    task whose first request does not wait for kernels
 
 Nothing leaves this host unless ROS_AUTOMATIC_DISCOVERY_RANGE says so.
 """

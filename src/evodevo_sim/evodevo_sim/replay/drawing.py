@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.collections import EllipseCollection, LineCollection, PolyCollection
 
-from .colours import ACCENT, INK, activation_colours, unit_rgb
+from .colours import ACCENT, INK, QUIET, activation_colours, unit_rgb
 from .life import Life, Pose
 
 DIAMETER = 1.0  # m, of a cell
@@ -32,8 +32,23 @@ def draw_pose(axes, pose: Pose, springs, outline=(), chambers=()) -> None:
             axes.add_collection(lines)
 
 
+def draw_world(axes, life: Life, step: int) -> None:
+    """Draw ground and ceiling as far as the axes reach, a tick at every metre, and what touches at a control step."""
+    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    for line, edge in zip(life.surfaces(left, right), (bottom, top)):
+        axes.fill_between(*line.T, edge, color="0.93", linewidth=0, zorder=0)
+        axes.plot(*line.T, color=unit_rgb(QUIET), linewidth=1.2, zorder=0.5)
+        for metre in range(int(np.ceil(left)), int(right) + 1):
+            y = np.interp(metre, *line.T)
+            long = 0.3 if metre % 5 == 0 else 0.15
+            axes.plot([metre, metre], [y, y + np.sign(edge - y) * long], color=unit_rgb(QUIET), linewidth=0.8, zorder=0.5)
+    touching = life.contact[step]
+    axes.plot(*life.position[step, touching].T, "^", color=unit_rgb(ACCENT), mec="white", mew=0.6, ms=6, zorder=6)
+
+
 def draw_swim(axes, life: Life, step: int) -> None:
-    """Draw the body at a control step, with the trail of its centre of mass."""
+    """Draw the body at a control step in its world, with the trail of its centre of mass."""
+    draw_world(axes, life, step)
     draw_pose(axes, life.pose(step), life.springs, life.outline, life.chambers)
     axes.plot(*life.centre[: step + 1].T, color=unit_rgb(ACCENT), linewidth=1.5, solid_capstyle="round", zorder=4)
 

@@ -6,7 +6,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..messages import scene_from_message
+from ..parameters import ParameterError, Scene
 from ..recording import Recording, RecordingError
+from ..terrain import profile, touching
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,13 +22,14 @@ class Pose:
 
 @dataclass(frozen=True, eq=False)
 class Life:
-    """Growth and swim of one animat.
+    """Growth and locomotion of one animat.
 
     Attributes:
         growth_time (S,) s; growth: S poses; growth_springs: S arrays (E, 2) of the embryo's graph.
         time (T,) s, running on from growth; position (T, N, 2) m; activation (T, N) of e - c.
         velocity (T, N, 2) m/s.
         springs (E, 2), outline (M, 2): cell indices; chambers: arrays of cell indices, counter-clockwise.
+        scene: the solid world of a walker, or None.
     """
 
     growth_time: np.ndarray
@@ -38,6 +42,23 @@ class Life:
     outline: np.ndarray = field(default_factory=lambda: np.empty((0, 2), int))
     chambers: list[np.ndarray] = field(default_factory=list)
     velocity: np.ndarray | None = None
+    scene: Scene | None = None
+
+    @property
+    def contact(self) -> np.ndarray:
+        """(T, N): whether a cell touches the ground or the ceiling."""
+        return np.zeros(self.activation.shape, bool) if self.scene is None else touching(self.scene, self.position)
+
+    def surfaces(self, low: float, high: float) -> list[np.ndarray]:
+        """The lines (K, 2) of ground and ceiling from x = low to high, m."""
+        if self.scene is None:
+            return []
+        lines, s = [], self.scene
+        for xs, ys, there in ((s.ground_x, s.ground_y, True), (s.ceiling_x, s.ceiling_y, bool(s.ceiling_x))):
+            if there:
+                x = np.array([low, *(x for x in xs if low < x < high), high])
+                lines.append(np.column_stack((x, profile(xs, ys, x))))
+        return lines
 
     @property
     def centre(self) -> np.ndarray:
@@ -46,8 +67,9 @@ class Life:
 
     @property
     def distance(self) -> np.ndarray:
-        """(T,) m, of the centre of mass from where it was at birth."""
-        return np.hypot(*(self.centre - self.centre[:1]).T)
+        """(T,) m, of the centre of mass from where it was at birth; of a walker, along x alone."""
+        way = self.centre - self.centre[:1]
+        return np.hypot(*way.T) if self.scene is None else np.abs(way[:, 0])
 
     def pose(self, step: int) -> Pose:
         return Pose(self.position[step], self.activation[step])
@@ -73,9 +95,20 @@ def life_of(recording: Recording) -> Life:
             activation=np.array([state.activation for state in states]).reshape(len(states), cells),
             velocity=np.array([(s.velocity_x, s.velocity_y) for s in states]).reshape(len(states), 2, cells).swapaxes(1, 2),
             **({} if body is None else _parts(body)),
+            scene=_scene(recording.settings),
         )
     except (ValueError, IndexError):
         raise RecordingError(f"{recording.path}: cells, springs and chambers do not fit each other: record it again") from None
+
+
+def _scene(settings) -> Scene | None:
+    """The world, where there is ground in it."""
+    if settings is None or settings.task.name != "walk":
+        return None
+    try:
+        return scene_from_message(settings.task.scene)
+    except ParameterError:
+        return None
 
 
 def _stamp(message) -> int:

@@ -120,8 +120,36 @@ def caption(axes, text) -> None:
     axes.text(0.5, -0.03, text, transform=axes.transAxes, ha="center", va="top", fontsize=8.5, color="0.35")
 
 
+def _walk_row(life: Life):
+    """Each frame follows the body."""
+    if not len(life.time):
+        return
+    steps = np.unique(np.linspace(0, len(life.time) - 1, FRAMES).astype(int))
+    middle = life.position.mean(axis=1)[:, 0]
+    low, high = bounds(life.position[steps] - np.column_stack((middle[steps], 0.0 * steps))[:, None])
+    low[1] -= 0.5
+    columns = FRAMES // 2
+    tall = float(np.clip(_WIDTH / columns * (high - low)[1] / (high - low)[0] * 2, 1.7, _TALLEST[columns]))
+
+    def draw(figure, top, tall):
+        _heading(figure, top, "Walk; each frame follows the body, a tick on the ground every metre, triangles where cells touch it")
+        for number, (k, axes) in enumerate(zip(steps, _axes(figure, top, tall, columns, 2, under=0.25))):
+            shift = np.array((middle[k], 0.0))
+            frame(axes, low + shift, high + shift)
+            draw_swim(axes, life, k)
+            _caption(axes, f"{life.time[k] - life.time[0]:.3g} s, x = {middle[k] - middle[0]:.1f} m")
+            if number == 0:
+                for cell, colour in zip(contrasting_cells(life), (ACCENT, SECOND)):
+                    axes.plot(*life.position[k, cell], "o", color=unit_rgb(colour), mec="white", mew=1, ms=6, zorder=6)
+
+    yield tall, "walk", draw
+
+
 def _swim_row(life: Life):
     if not len(life.time):
+        return
+    if life.scene is not None:
+        yield from _walk_row(life)
         return
     low, high = bounds(life.position)
     width, height = high - low

@@ -1,6 +1,7 @@
 """A recording as Rerun entities, on the timelines `time` (growth, then swim) and `generation`.
 
     animat/cells, animat/springs, animat/chambers, animat/outline, animat/trail     the body, in m, in the plane z = 0
+    animat/world, animat/contacts                                                   ground and ceiling of a walker; cells that touch them
     animat/centre, animat/metres                                                    frame at the centre of mass; a grid of 1 m
     plots/activation/cell_*, plots/distance                                         the swim in curves
     evolution/best, median, diversity; evolution/chart/*                            a run; the chart is on every timeline
@@ -37,6 +38,7 @@ def log_recording(stream: rr.RecordingStream, recording: Recording, life: Life, 
         step("curves")
         _log_lines(stream, "animat/outline", [life.time], [life.position], [life.outline], INK, 0.045)
         _log_trail(stream, life)
+        _log_world(stream, life)
         _log_curves(stream, life)
     if recording.statistics:
         _log_evolution(stream, recording.statistics)
@@ -139,6 +141,19 @@ def _log_trail(stream, life: Life) -> None:
     stream.log("animat/trail", rr.LineStrips3D.from_fields(radii=0.05, colors=ACCENT), static=True)
     if trails:
         stream.send_columns("animat/trail", _at(life.time[ends[1:]]), rr.LineStrips3D.columns(strips=trails))
+
+
+def _log_world(stream, life: Life) -> None:
+    """Ground and ceiling, and dots on the cells that touch them."""
+    low, high = life.position[..., 0].min() - 20.0, life.position[..., 0].max() + 20.0
+    lines = [_space(line, _BEHIND) for line in life.surfaces(low, high)]
+    if not lines:
+        return
+    stream.log("animat/world", rr.LineStrips3D(lines, radii=0.06, colors=QUIET), static=True)
+    contact = life.contact
+    stream.log("animat/contacts", rr.Points3D.from_fields(radii=0.14, colors=ACCENT), static=True)
+    columns = rr.Points3D.columns(positions=_space(life.position[contact], _TRAIL))
+    stream.send_columns("animat/contacts", _at(life.time), columns.partition(contact.sum(axis=1)))
 
 
 def _log_curves(stream, life: Life) -> None:

@@ -1,0 +1,120 @@
+"""The solid world around a walker: ground and ceiling as height profiles, in kernels and out of them.
+
+A profile is a polyline, single-valued: points (x, y) m with x ascending, level beyond both ends.  No points of ground: flat at
+y = 0; none of ceiling: open sky.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+
+import numpy as np
+
+from ._jit import lean
+
+CELL = 1.0  # m, diameter
+_FAR = 1e9  # m, where a profile's level ends end
+_LEAST_RUN = 1e-3  # m, from one point to the next
+_MOST_POINTS = 100_000
+_CLOSE = 1e-9  # m, and of a height: as near as rounding leaves what touches
+
+# x, y (K,): the ground, padded with its level ends, or empty: flat at 0; top: its highest point; ceiling_x, ceiling_depth,
+# bottom: likewise the ceiling, upside down (-y), and its lowest point; empty and infinity where there is none
+Terrain = namedtuple("Terrain", "x y top ceiling_x ceiling_depth bottom")
+FLAT = Terrain(np.zeros(0), np.zeros(0), 0.0, np.zeros(0), np.zeros(0), np.inf)
+
+
+def make_terrain(scene) -> Terrain:
+    """The terrain of a `parameters.Scene`, as kernels take it."""
+    if not scene.ground_x and not scene.ceiling_x:
+        return FLAT
+    ground = _padded(scene.ground_x or (0.0, 1.0), scene.ground_y or (0.0, 0.0))
+    ceiling = _padded(scene.ceiling_x, scene.ceiling_y) if scene.ceiling_x else (np.zeros(0), np.zeros(0))
+    bottom = float(ceiling[1].min()) if scene.ceiling_x else np.inf
+    return Terrain(*ground, float(ground[1].max()), ceiling[0], -ceiling[1], bottom)
+
+
+def _padded(x, y):
+    return np.array([-_FAR, *x, _FAR]), np.array([y[0], *y, y[-1]], float)
+
+
+def fault(ground_x, ground_y, ceiling_x, ceiling_y) -> str:
+    """What is wrong with profiles, and the mend; nothing where they are sound."""
+    for name, x, y in (("ground", ground_x, ground_y), ("ceiling", ceiling_x, ceiling_y)):
+        if len(x) != len(y):
+            return f"{name} has {len(x)} x and {len(y)} y: give as many of both"
+        if len(x) == 1 or len(x) > _MOST_POINTS:
+            return f"{name} has {len(x)} points: give none, or 2 to {_MOST_POINTS}"
+        wrong = np.flatnonzero(~(np.abs(np.array([x, y], float)) <= 1e6).all(0)) if len(x) else ()
+        if len(wrong):
+            return f"{name}[{wrong[0]}] is ({x[wrong[0]]!r}, {y[wrong[0]]!r}): give metres from -1e6 to 1e6"
+        back = np.flatnonzero(~(np.diff(x) >= _LEAST_RUN)) if len(x) else ()
+        if len(back):
+            k = int(back[0])
+            return (
+                f"{name} is not single-valued: point {k + 1} at x = {x[k + 1]:g} follows x = {x[k]:g}: let x ascend by "
+                f"{_LEAST_RUN:g} m or more (a wall is a steep step)"
+            )
+    if len(ceiling_x):
+        at = np.union1d(ceiling_x, ground_x)
+        room = profile(ceiling_x, ceiling_y, at) - profile(ground_x, ground_y, at)
+        k = int(room.argmin())
+        if room[k] < CELL:
+            return f"the opening at x = {at[k]:g} is {room[k]:g} m high, less than a cell: make it {CELL:g} m or more"
+    return ""
+
+
+def profile(xs, ys, x):
+    """Height of a profile at x, m, of any shape; 0 where it has no points."""
+    return np.interp(x, xs, ys) if len(xs) else np.zeros(np.shape(x))
+
+
+def touching(scene, position) -> np.ndarray:
+    """Whether cells at position (..., 2) touch ground or ceiling: (...) bool."""
+    x, y = position[..., 0], position[..., 1]
+    close = _CLOSE * (1.0 + np.abs(y))
+    touch = np.abs(y - profile(scene.ground_x, scene.ground_y, x)) <= close
+    if len(scene.ceiling_x):
+        touch |= np.abs(y - profile(scene.ceiling_x, scene.ceiling_y, x)) <= close
+    return touch
+
+
+@lean
+def segment(xs, x):
+    """The number of the segment over x, by bisection."""
+    low, high = 0, xs.size - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if xs[middle] <= x:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+@lean
+def height(xs, ys, x):
+    """Height of a padded profile at x."""
+    k = segment(xs, x)
+    return ys[k] + (x - xs[k]) * ((ys[k + 1] - ys[k]) / (xs[k + 1] - xs[k]))
+
+
+@lean
+def touches(terrain, x, y):
+    """Whether a point is on the ground, or at the ceiling."""
+    close = _CLOSE * (1.0 + abs(y))
+    if abs(y - (height(terrain.x, terrain.y, x) if terrain.x.size else 0.0)) <= close:
+        return True
+    xs = terrain.ceiling_x
+    return xs.size > 0 and abs(y + height(xs, terrain.ceiling_depth, x)) <= close
+
+
+@lean
+def clearance(terrain, x, y):
+    """Least height of cells above the ground (how far they have to rise if it is negative), and below the ceiling."""
+    low, high = np.inf, np.inf
+    for i in range(x.size):
+        low = min(low, y[i] - (height(terrain.x, terrain.y, x[i]) if terrain.x.size else 0.0))
+        if terrain.ceiling_x.size:
+            high = min(high, -height(terrain.ceiling_x, terrain.ceiling_depth, x[i]) - y[i])
+    return low, high

@@ -1,0 +1,166 @@
+"""Ground contact: closed forms of sliding, sticking and bouncing on level and sloping ground; nothing sinks, nothing gains energy."""
+
+import numpy as np
+import pytest
+from bodies import NO_LEDGER, STEP, body_of, random_body, slab, wave
+from evodevo_sim import Scene
+from evodevo_sim.energy import stored_energy
+from evodevo_sim.integrators import euler, make_system, make_work
+from evodevo_sim.physics import Law
+from evodevo_sim.stability import bounds, longest_step
+from evodevo_sim.terrain import FLAT, height, make_terrain, touching
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+H = STEP / 4  # the default step of walking
+LAW = Law(400.0, 10.0, 400.0, 0.0, 0.0)
+STIFF = Law(20_000.0, 100.0, 20_000.0, 0.0, 0.0)  # nearly the rigid block of the closed form
+G = 9.81
+RADIUS = 0.5  # m, of a cell
+
+
+def incline(angle):
+    far = 1000.0
+    return make_terrain(Scene(ground_x=(-far, far), ground_y=(-far * np.tan(angle), far * np.tan(angle))))
+
+
+def march(system, steps, position, velocity, h=H, ledger=NO_LEDGER, look=lambda p, v: None):
+    p, v, work = position.copy(), velocity.copy(), make_work(system.body)
+    for _ in range(steps):
+        euler(system, 0.0, h, p, v, work, ledger)
+        look(p, v)
+    return p, v
+
+
+def block(angle, friction, body=None, law=LAW):
+    """A block of 4 x 2 braced cells lying on an incline: (system, position, along, normal)."""
+    body = body or body_of([(x + 0.5 * y, 0.87 * y) for y in range(2) for x in range(4)])
+    along, normal = np.array((np.cos(angle), np.sin(angle))), np.array((-np.sin(angle), np.cos(angle)))
+    position = along[:, None] * body.position[:, 0] + normal[:, None] * body.position[:, 1]
+    return make_system(body, law, G, friction, True, terrain=incline(angle) if angle else FLAT), position, along, normal
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.3, -0.3], ids=["level", "uphill", "downhill"])
+def test_a_block_at_rest_stays(angle):
+    system, position, *_ = block(angle, 0.5)
+    p, v = march(system, 6000, position, np.zeros_like(position))  # its springs settle
+    q, w = march(system, 8000, p, v)
+    assert np.abs(q - p).max() < 1e-6 and np.abs(w).max() < 1e-6
+
+
+@pytest.mark.parametrize("angle, friction", [(0.5, 0.2), (0.5, 0.0), (-0.3, 0.1)])
+def test_a_block_slides_at_g_sin_minus_mu_cos(angle, friction):
+    system, position, along, _ = block(angle, friction)
+    p, v = march(system, 240, position, np.zeros_like(position))
+    q, w = march(system, 960, p, v)
+    downhill = -along * np.sign(angle)
+    gained = downhill @ (w - v).mean(axis=1) / (960 * H)
+    assert gained == pytest.approx(G * (np.sin(abs(angle)) - friction * np.cos(angle)), rel=0.01)
+
+
+@pytest.mark.parametrize("speed, friction", [(2.0, 0.3), (4.0, 0.8), (-1.0, 0.5)])
+def test_a_sliding_block_stops_after_v_squared_over_two_mu_g(speed, friction):
+    system, position, *_ = block(0.0, friction, law=STIFF)
+    p, v = march(system, 4000, position, np.zeros_like(position), H / 8)
+    v[0] += speed
+    q, w = march(system, 4000, p, v, H / 8)
+    assert abs((q - p)[0].mean()) == pytest.approx(speed**2 / (2 * friction * G), rel=0.01)
+    assert np.abs(w).max() < 1e-3 and np.sign((q - p)[0].mean()) == np.sign(speed)
+
+
+def test_a_cell_on_a_slope_sticks_below_the_friction_angle_and_not_above():
+    for excess, moves in ((0.99, False), (1.01, True)):
+        angle = np.arctan(0.6 * excess)
+        pair = body_of([(0, 0), (1, 0)])
+        system, position, along, _ = block(angle, 0.6, pair)
+        p, _ = march(system, 2000, position, np.zeros_like(position))
+        q, _ = march(system, 2000, p, np.zeros_like(position))
+        assert (abs(along @ (q - p).mean(axis=1)) > 1e-3) == moves
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.35])
+def test_a_bounce_never_gains_energy_and_no_cell_sinks(angle):
+    body = slab(4, 3)
+    system = make_system(body, LAW._replace(damping=0.0), G, 0.4, True, terrain=incline(angle) if angle else FLAT)
+    position = body.position.T + [[0.0], [6.0]]
+    energies, depth = [], []
+
+    def look(p, v):
+        energies.append(sum(stored_energy(body, system.law, system.rest, G, p, v)))
+        depth.append((p[1] - np.tan(angle) * p[0]).min())
+
+    march(system, 2400, position, np.zeros_like(position), look=look)
+    start = sum(stored_energy(body, system.law, system.rest, G, position, np.zeros_like(position)))
+    assert min(depth) > -1e-12 and min(depth) < 1e-9  # it lands, and stays out
+    # Symplectic Euler's energy swings by order h about the true one while the undamped body rings.
+    assert max(energies) < start * 1.005 and np.mean(energies[-600:]) < np.mean(energies[600:1200])
+
+
+def test_the_ground_carries_just_the_weight_and_friction_just_stops_the_push():
+    """Balance of impulse over two seconds: m dv = (normal - weight, friction) dt."""
+    system, position, *_ = block(0.0, 0.3)
+    p, v = march(system, 4000, position, np.zeros_like(position))
+    v[0] += 3.0
+    impulse, work, a = np.zeros(2), make_work(system.body), np.empty_like(p)
+    begin = v.sum(axis=1)
+    for _ in range(480):
+        before = v.copy()
+        euler(system, 0.0, H, p, v, work, NO_LEDGER)
+        a[:] = work.slope_v[0]
+        impulse += (v - before - H * a).sum(axis=1)  # what is not force is contact
+    weight = 8 * G * 480 * H
+    assert v.sum(axis=1) - begin == pytest.approx(impulse - [0, weight], abs=1e-9)
+    assert impulse[1] == pytest.approx(weight, rel=1e-3)
+    assert impulse[0] == pytest.approx(-3.0 * 8, rel=1e-3)  # it has stopped, and rings a little
+
+
+ROUGH = make_terrain(Scene(
+    ground_x=tuple(np.arange(-20.0, 21.0, 0.7)), ground_y=tuple(np.random.default_rng(3).uniform(0, 1.5, 59)),
+    ceiling_x=(-30.0, -8.0, -7.9, 7.9, 8.0, 30.0), ceiling_y=(4.0, 4.0, 60.0, 60.0, 3.0, 3.0),
+))
+
+
+def stress(seed, terrain, friction, steps=400):
+    """A random body that is dropped, kicked and driven at random: (finite, least height above ground, worst unexplained energy)."""
+    rng = np.random.default_rng(seed)
+    body = random_body(rng, int(rng.integers(2, 20)))
+    drive = tuple(f * np.ones(len(body.position)) for f in (rng.uniform(0, 0.5), rng.uniform(0.2, 3.0))) + (rng.uniform(0, 6, len(body.position)),)
+    system = make_system(body, LAW, rng.uniform(0, 10), friction, True, drive, terrain)
+    frequency, damping = bounds(system)
+    h = min(H, STEP / 1.6 / frequency, 0.8 * longest_step(0, frequency, damping))
+    position = body.position.T + [[0.0], [-body.position[:, 1].min() + 1.6 + rng.uniform(0, 2)]]
+    velocity = rng.normal(0, 3, position.shape)
+    p, v, work, ledger = position.copy(), velocity.copy(), make_work(body), np.zeros(4)
+    depth, landed = np.inf, False
+    for k in range(steps):
+        euler(system, k * h, h, p, v, work, ledger)
+        if terrain.x.size:
+            depth = min(depth, min(y - height(terrain.x, terrain.y, x) for x, y in p.T))
+        else:
+            depth = min(depth, p[1].min())
+    return p, v, depth, ledger
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.sampled_from([0.0, 0.5, 2.0]), st.booleans())
+def test_random_bodies_dropped_kicked_and_driven_stay_finite_and_above_ground(seed, friction, rough):
+    p, v, depth, ledger = stress(seed, ROUGH if rough else FLAT, friction)
+    assert np.isfinite(p).all() and np.isfinite(v).all()
+    assert depth > -1e-9 and depth > -0.01 * RADIUS
+    assert ledger[3] <= 1e-3 * abs(ledger[1:3]).sum() + 1e-9  # the ground gives no energy, but for order h
+
+
+def test_contacts_are_told_from_positions():
+    scene = Scene(ground_x=(0.0, 2.0), ground_y=(0.0, 1.0), ceiling_x=(0.0, 2.0), ceiling_y=(5.0, 5.0))
+    points = np.array([(1.0, 0.5), (1.0, 0.6), (1.0, 5.0), (-3.0, 0.0), (9.0, 1.0)])
+    assert touching(scene, points).tolist() == [True, False, True, True, True]
+    assert touching(Scene(), points).tolist() == [False, False, False, True, False]
+
+
+def test_level_ground_as_a_profile_is_level_ground():
+    body = slab(4, 3)
+    position = body.position.T + [[0.0], [2.0]]
+    ends = []
+    for terrain in (FLAT, make_terrain(Scene(ground_x=(-50.0, 0.3, 50.0), ground_y=(0.0, 0.0, 0.0)))):
+        ends.append(march(make_system(body, LAW, G, 0.5, True, wave(body), terrain), 240, position, np.zeros_like(position))[0])
+    assert ends[0] == pytest.approx(ends[1], abs=1e-9)

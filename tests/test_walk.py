@@ -1,0 +1,173 @@
+"""The walking task: rest first, then signed progress of working muscles; the same bits everywhere; bad worlds are named."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from evodevo_ga.arguments import parse
+from evodevo_sim import Development, ParameterError, Scene, Status, Task, evaluate, perform
+from evodevo_sim.live import Animat, NotViable
+from evodevo_sim.messages import task_from_message, task_message
+from evodevo_sim.parameters import default_task, with_settings
+from evodevo_sim.terrain import make_terrain, touching
+from evodevo_sim.walk import Walk
+from evodevo_sim.walk_audit import trial
+from evodevo_sim.walk_task import headings, score
+from evodevo_sim.worlds import PRESETS, with_world
+from genomes import beating, dividing, hand_made, ring
+from rclpy.serialization import deserialize_message, serialize_message
+
+TASK = with_settings(default_task("walk"), {"development.max_cells": 12, "control_steps": 400})
+
+
+@pytest.mark.parametrize("genome", [beating(), ring()], ids=["beating", "ring"])
+def test_a_walk_is_deterministic_and_depends_on_its_seed(genome):
+    evaluation = evaluate(genome, TASK, 1)
+    assert evaluation.status == Status.OK and evaluation.metrics.settling_steps > 15
+    assert evaluate(genome, TASK, 1) == evaluation == perform(genome, TASK, 1).evaluation
+    assert evaluate(genome, TASK, 2) != evaluation
+
+
+def test_a_walker_starts_at_rest_on_the_ground_and_never_below():
+    performance = perform(beating(), TASK, 3)
+    start = performance.position[0]
+    assert np.linalg.norm(performance.velocity[0], axis=1).max() <= TASK.settled_speed
+    assert touching(TASK.scene, start).any()
+    assert performance.position[..., 1].min() >= 0.0
+    # At rest means that it stays: nothing moves while the network sleeps on.
+    asleep = perform(dividing(), TASK, 3)
+    assert np.abs(asleep.position - asleep.position[0]).max() < 0.02
+
+
+def test_metrics_are_those_of_the_track():
+    performance = perform(ring(), dataclasses.replace(TASK, starts=1), 5)
+    metrics, x = performance.evaluation.metrics, performance.position[..., 0].mean(axis=1)
+    along = np.sign(x[-1] - x[0])
+    assert metrics.distance == pytest.approx(abs(x[-1] - x[0]), abs=1e-9)
+    assert metrics.distance_second_half == pytest.approx(along * (x[-1] - x[200]), abs=1e-9)
+    assert metrics.slowest_window == pytest.approx((along * np.diff(x[::100])).min(), abs=1e-9)
+    windows = performance.activation[1:].reshape(TASK.windows, -1, metrics.cells)
+    assert metrics.activation_amplitude == pytest.approx((np.ptp(windows, axis=1) / 2).mean(axis=1).min(), abs=1e-9)
+
+
+def result(path, active=1.0, status=None):
+    path = np.atleast_2d(np.array(path, float))
+    starts = len(path)
+    status = np.zeros(starts, int) if status is None else np.array(status)
+    ones = np.ones(starts)
+    return Walk(status, np.full(starts, -1), path, 0.5 * ones, active * ones, np.full(starts, 99), 0 * ones, 4, 12, 20, 9)
+
+
+def test_only_progress_along_the_way_counts_and_only_as_far_as_muscles_work():
+    bonus = TASK.activity_bonus
+    assert score(result([0, 2, 3, 6, 8]), TASK).fitness == 4 * 1 + bonus
+    assert score(result([0, -2, -3, -6, -8], active=0.5), TASK).fitness == 0.5 * (4 * 1 + bonus)
+    shaking = score(result([0, 5, 0, 5, 1]), TASK)  # to and fro about a place
+    assert shaking.fitness == bonus and shaking.metrics.slowest_window == -5 and shaking.metrics.distance == 1
+    assert score(result([0, 9, 9, 9, 9]), TASK).fitness == bonus  # a single tumble
+    assert score(result([0, 2, 3, 6, 8], active=0.0), TASK).fitness == 0.0
+
+
+def test_starts_are_averaged_and_the_worst_is_told():
+    both = score(result([[0, 1, 2, 3, 4], [0, -3, -6, -9, -12]]), TASK)
+    assert both.fitness == pytest.approx(8 + TASK.activity_bonus) and both.metrics.worst_start == 4 + TASK.activity_bonus
+    one = score(result([[0, 1, 2, 3, 4], [0] * 5], status=[Status.OK, Status.UNSETTLED]), TASK)
+    assert one.fitness == pytest.approx((4 + TASK.activity_bonus) / 2) and one.status == Status.OK
+    none = score(result([[0] * 5] * 2, status=[Status.UNSETTLED] * 2), TASK)
+    assert none.status == Status.UNSETTLED and none.fitness < 0 and "come to rest" in none.cause
+    assert score(result([[0] * 5] * 2, status=[Status.OK, Status.UNSTABLE]), TASK).status == Status.UNSTABLE
+
+
+def test_more_starts_begin_with_the_same_ones():
+    assert np.array_equal(headings(7, 5)[:2], headings(7, 2))
+    assert np.linalg.norm(headings(7, 5), axis=1) == pytest.approx(np.ones(5))
+    alone = [trial(ring(), TASK, headings(7, 3)[k : k + 1])[1][0] for k in range(3)]
+    assert trial(ring(), TASK, headings(7, 3))[1].tolist() == alone
+
+
+def test_what_cannot_walk_says_so():
+    lone, pair = evaluate(hand_made(), TASK), evaluate(dividing(), dataclasses.replace(TASK, development=Development(max_cells=2)))
+    assert lone.status == Status.NO_GROWTH and pair.status == Status.NO_CHAMBER
+    never = evaluate(ring(), dataclasses.replace(TASK, settling_limit=20))
+    assert never.status == Status.UNSETTLED and -1 < never.fitness < 0
+    with pytest.raises(NotViable, match="come to rest"):
+        Animat(ring(), dataclasses.replace(TASK, settling_limit=20))
+    low = dataclasses.replace(TASK, scene=dataclasses.replace(TASK.scene, ceiling_x=(-9.0, 9.0), ceiling_y=(1.5, 1.5)))
+    assert evaluate(dividing(), low).status == Status.NO_ROOM
+
+
+def test_a_network_at_rest_earns_nothing():
+    evaluation = evaluate(dividing(), TASK, 2)
+    assert evaluation.fitness == pytest.approx(0, abs=1e-9) and evaluation.metrics.activation_amplitude < 1e-9
+
+
+def test_live_steps_are_those_of_a_performance_bit_for_bit():
+    performance, animat = perform(ring(), TASK, 4), Animat(ring(), TASK, 4)
+    for step in range(60):
+        assert np.array_equal(animat.position, performance.position[step])
+        assert np.array_equal(animat.velocity, performance.velocity[step])
+        assert np.array_equal(animat.activation, performance.activation[step])
+        animat.step()
+
+
+@pytest.mark.parametrize("world", PRESETS)
+def test_worlds_keep_their_bits_over_the_wire_and_cells_stay_outside(world):
+    task = with_world(TASK, world)
+    there = task_from_message(deserialize_message(serialize_message(task_message(task)), type(task_message(task))))
+    assert there == task
+    performance = perform(beating(), task, 1)
+    assert performance.evaluation == evaluate(beating(), there, 1)
+    p, scene = performance.position, task.scene
+    if scene.ground_x:
+        assert (p[..., 1] - np.interp(p[..., 0], scene.ground_x, scene.ground_y)).min() > -1e-9
+    if scene.ceiling_x:
+        assert (np.interp(p[..., 0], scene.ceiling_x, scene.ceiling_y) - p[..., 1]).min() > -1e-9
+    assert touching(scene, p[0]).any()
+
+
+BAD_WORLDS = {
+    "ground: [[0, 0], [2, 1], [1, 0]]": "ground is not single-valued: point 2 at x = 1 follows x = 2",
+    "ground: [[0, 0]]": "ground has 1 points",
+    "ground: [[0, 0], [1, .inf]]": r"ground\[1\] is inf",
+    "ground: [[0, 0], [1]]": r"ground\[1\] is \[1\]",
+    "ground: flat": "ground is 'flat'",
+    "ceiling: [[-5, 9], [5, 0.9]]": "the opening at x = 5 is 0.9 m high, less than a cell",
+    "friction: -0.1": "friction is -0.1: give a number from 0",
+    "gravity: heavy": "gravity is 'heavy'",
+    "slope: 90": "slope is 90",
+    "rough: {hight: 1}": "'hight' is unknown: did you mean 'height'",
+    "grond: []": "'grond' is unknown: did you mean 'ground'",
+    "slope: 3\nsteps: {}": "slope and steps are both given",
+    "- 1": "give keys and values",
+    "ground: [[0, 0": "not YAML from line",
+}
+
+
+@pytest.mark.parametrize("text", BAD_WORLDS)
+def test_a_world_that_cannot_be_is_named_in_one_line(tmp_path, text):
+    (tmp_path / "world.yaml").write_text(text)
+    with pytest.raises(ParameterError, match=BAD_WORLDS[text]) as raised:
+        with_world(TASK, tmp_path / "world.yaml")
+    assert "\n" not in str(raised.value)
+
+
+def test_the_command_line_takes_worlds_and_starts(tmp_path, capsys):
+    (tmp_path / "mine.yaml").write_text("ground: [[-9, 1], [9, -1]]\nfriction: 0.3\n")
+    task = parse(["--task", "walk", "--world", str(tmp_path / "mine.yaml"), "--starts", "3"]).task
+    assert task.scene.friction == 0.3 and task.scene.ground_y == (1.0, -1.0) and task.starts == 3
+    assert task.scene.gravity == default_task("walk").scene.gravity
+    for arguments, says in (
+        (["--task", "walk", "--world", "ruff"], "did you mean 'rough'"), (["--world", "rough"], "a world is for the task walk"),
+        (["--task", "walk", "--set", "scene.friction=-1"], "scene.friction is -1"), (["--task", "walk", "--starts", "0"], "task.starts is 0"),
+        (["--task", "walk", "--set", "scene.ground_x=3"], "give a world"),
+    ):
+        with pytest.raises(SystemExit) as raised:
+            parse(arguments)
+        assert raised.value.code == 2 and says in capsys.readouterr().err
+
+
+def test_a_made_ground_depends_on_its_seed_alone():
+    one, again = with_world(TASK, "rough").scene, with_world(TASK, "rough").scene
+    assert one == again and len(one.ground_x) > 100 and np.ptp(one.ground_y) > 0.4
+    assert make_terrain(Scene()).x.size == 0  # free where absent
+    assert Task().scene.ground_x == () and default_task("swim") == Task()
