@@ -13,6 +13,7 @@ from .genome import Genome
 from .life import birth
 from .outcome import FAILURE, Status
 from .parameters import ParameterError, Task
+from .scent import make_signals, scent_row
 from .swim import live
 from .swim_task import kernel_arguments
 
@@ -36,7 +37,7 @@ class Animat:
         position (N, 2) m, velocity (N, 2) m/s, activation (N,) of e - c: read-only views of the present state.
         steps: control steps lived; time: s of them.
         status: OK; RESTING, when nothing will ever change again; UNSTABLE or INVERTED, after which it stays as it is.
-        target: (x, y) m, or None; no network reads it yet.
+        target: (x, y) m, whose scent the cells sense from the next step on if the task has targets; or None.
     """
 
     def __init__(self, genome: Genome, task: Task = Task(), seed: int = 0):
@@ -72,10 +73,17 @@ class Animat:
             task = self.task
             status, _ = live(
                 self._life, self.steps, self.steps + 1, task.control_step, task.development.arguments(),
-                task.development.variant == "continual_graph", _NOT_KEPT, _NO_TRACK, _NOT_KEPT,
+                task.development.variant == "continual_graph", self._signals(), _NOT_KEPT, _NO_TRACK, _NOT_KEPT,
             )
-            self.status = Status(status)
+            rests = status == Status.RESTING and not task.has_target  # a target may come and wake it
+            self.status = Status.OK if status == Status.RESTING and not rests else Status(status)
         self.steps += 1
+
+    def _signals(self):
+        task, target = self.task, self.target if self.task.has_target else None
+        if task.has_target and target is None:
+            self._life.table[scent_row(self._life.units)] = 0.0
+        return make_signals(target, task.chemotaxis.scent_peak, task.chemotaxis.scent_reach, task.noise.arguments(), self.seed)
 
 
 def _read_only(array):
