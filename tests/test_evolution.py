@@ -102,3 +102,15 @@ def test_a_wrong_number_of_evaluations_is_refused():
     evolution.ask()
     with pytest.raises(ValueError, match="3 evaluations for 5 genomes"):
         evolution.tell([evaluation(0)] * 3)
+
+
+def test_a_run_begins_from_given_genomes_their_mutants_and_random_ones():
+    given = [random_genome(np.random.default_rng(k), 3) for k in (1, 2)]
+    asked = [Evolution(Settings(population=20, start_share=0.5), 7, given).ask() for _ in range(2)]
+    assert asked[0] == asked[1] and asked[0][:2] == given
+    sizes = [abs(len(genome) - len(given[k % 2])) for k, genome in enumerate(asked[0][:10])]
+    assert max(sizes) < 20 < min(len(genome) for genome in asked[0][10:]) and len(set(asked[0])) == len(asked[0])
+    for share, kept in ((0.0, 2), (1.0, 20)):
+        asked = Evolution(Settings(population=20, start_share=share, units=50), 7, given).ask()
+        assert sum(len(genome) < 60 for genome in asked) == min(kept, len(asked))
+    assert Evolution(Settings(population=20), 7).ask() == Evolution(Settings(population=20), 7, ()).ask()

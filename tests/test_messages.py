@@ -55,7 +55,7 @@ def test_statuses_have_the_numbers_of_the_message():
     "cls, message, without",
     [
         (Task, msg.Task, set()), (Development, msg.Development, set()), (Material, msg.Material, set()), (Scene, msg.Scene, set()),
-        (Metrics, msg.Metrics, set()), (Settings, msg.Evolution, {"version", "task", "seed"}),
+        (Metrics, msg.Metrics, set()), (Settings, msg.Evolution, {"version", "task", "seed", "start"}),
         (Generation, msg.GenerationStatistics, {"stamp", "evaluations_per_second"}),
     ],
 )

@@ -7,7 +7,7 @@ import os
 from datetime import datetime
 from pathlib import Path
 
-from evodevo_sim import ParameterError, Task
+from evodevo_sim import Genome, GenomeError, ParameterError, Task, load_genome
 from evodevo_sim.command_line import Parser, pairs
 from evodevo_sim.nodes.common import without_ros
 from evodevo_sim.parameters import TASKS, default_task, with_settings
@@ -22,6 +22,9 @@ examples:
       a long run; Ctrl-C ends it at any time and keeps all that was done
   ros2 run evodevo_ga evolve --set scene.drag_normal=40 --set scene.drag_tangential=0.2
       in a thinner fluid; any number of the model can be set so (docs/model.md lists them)
+
+  ros2 run evodevo_ga evolve --task chemotaxis --start bags/long
+      begins from swimmers: half of the first population is the champion of a run and its mutants
 
 Simulator nodes found on the ROS graph do the work, e.g. those that you start yourself by
   ros2 run evodevo_sim simulator --ros-args -r __ns:=/sim_0
@@ -41,6 +44,7 @@ class Options:
     simulators: int | None  # None: those on the graph, or else one per core
     look: float  # s to look for simulators on the graph
     quiet: bool
+    start: tuple[Genome, ...] = ()
 
 
 def parse(arguments: list[str]) -> Options:
@@ -52,6 +56,7 @@ def parse(arguments: list[str]) -> Options:
     parser.add_argument("--out", metavar="DIR", help="directory of the run, made anew (default bags/TASK-DATE-TIME)")
     parser.add_argument("--simulators", type=int, metavar="N", help="start N simulator nodes of our own, whatever is on the graph")
     parser.add_argument("--look", default=2.5, type=float, metavar="S", help="seconds to look for simulators on the graph (default %(default)s)")
+    parser.add_argument("--start", nargs="+", default=[], metavar="FILE|DIR", help="genomes to begin from, or runs with a champion.yaml")
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
     group = parser.add_argument_group("genetic algorithm")
     for field in dataclasses.fields(Settings):
@@ -64,7 +69,10 @@ def parse(arguments: list[str]) -> Options:
     try:
         task = with_settings(default_task(given.task), {"development.max_cells": given.cells, **pairs(given.set)})
         settings = Settings(**{field.name: getattr(given, field.name) for field in dataclasses.fields(Settings)})
-    except ParameterError as error:
+        start = tuple(load_genome(_genome_file(Path(name))) for name in given.start)
+        if len(start) > settings.population:
+            raise ParameterError(f"--start gives {len(start)} genomes to a population of {settings.population}: give fewer")
+    except (ParameterError, GenomeError) as error:
         parser.error(str(error))
     if not 0 <= given.seed < 2**63:
         parser.error(f"--seed is {given.seed}: give a whole number from 0 to 2^63 - 1")
@@ -73,7 +81,11 @@ def parse(arguments: list[str]) -> Options:
     if not 0.0 <= given.look <= 3600.0:
         parser.error(f"--look is {given.look}: give 0 to 3600 seconds")
     out = Path(given.out or f"bags/{task.name}-{datetime.now():%Y%m%d-%H%M%S}")
-    return Options(task, settings, given.seed, out, given.simulators, given.look, given.quiet)
+    return Options(task, settings, given.seed, out, given.simulators, given.look, given.quiet, start)
+
+
+def _genome_file(path: Path) -> Path:
+    return path / "champion.yaml" if path.is_dir() else path
 
 
 def cores() -> int:

@@ -8,6 +8,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,6 +36,7 @@ class Settings(Checked):
     flip: float = parameter(0.005, 0.0, 1.0, "", "probability per element of a change of sign, or of a gene's kind")
     units: int = parameter(20, 0, 10_000, "", "regulatory units in a random genome")
     extent: float = parameter(1.0, 0.0, 1e3, "", "half side of the square of a random genome's points")
+    start_share: float = parameter(0.5, 0.0, 1.0, "", "of the first population, that given genomes and their mutants make up")
 
     def __post_init__(self):
         super().__post_init__()
@@ -70,14 +72,18 @@ class Evolution:
     Every generation draws from its own generator, seeded by (seed, generation), so a run does not depend on who evaluated
     what, or in which order.
 
+    Args: start: genomes to begin from, each as it is and then in mutants, in turn, up to `settings.start_share` of the first
+    population (and each at least once, as far as it has room); the rest is random.
+
     Attributes: population (best first), champion, generation (of the population), evaluations.
     """
 
-    def __init__(self, settings: Settings = Settings(), seed: int = 0):
+    def __init__(self, settings: Settings = Settings(), seed: int = 0, start: Sequence[Genome] = ()):
         if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**63:
             raise ParameterError(f"seed is {seed!r}: give a whole number from 0 to 2^63 - 1")
         self.settings = settings
         self.seed = seed
+        self.start = tuple(start)
         self.population: list[Individual] = []
         self.generation = -1
         self.evaluations = 0
@@ -101,7 +107,7 @@ class Evolution:
             if self.population:
                 self._children = [self._child(rng) for _ in range(s.population - s.elite)]
             else:
-                self._children = [random_genome(rng, s.units, s.extent) for _ in range(s.population)]
+                self._children = self._first(rng)
             known = self._known()
             self._asked = list({genome.key(): genome for genome in self._children if genome.key() not in known}.values())
         return self._asked
@@ -132,6 +138,17 @@ class Evolution:
         genome = self.population[tournament(fitness, rng, s.tournament)].genome
         if rng.random() < s.crossover:
             genome = crossover(genome, self.population[tournament(fitness, rng, s.tournament)].genome, rng)
+        return self._mutant(genome, rng)
+
+    def _first(self, rng: np.random.Generator) -> list[Genome]:
+        s, given = self.settings, list(self.start[: self.settings.population])
+        if given:
+            count = max(len(given), round(s.start_share * s.population))
+            given += [self._mutant(self.start[k % len(self.start)], rng) for k in range(len(given), count)]
+        return given + [random_genome(rng, s.units, s.extent) for _ in range(s.population - len(given))]
+
+    def _mutant(self, genome: Genome, rng: np.random.Generator) -> Genome:
+        s = self.settings
         if rng.random() < s.duplication:
             genome = duplicate(genome, rng, s.run_length)
         if rng.random() < s.deletion:

@@ -75,7 +75,7 @@ class _Run:
         self.executor.add_node(self.node)
         self.statistics = self.node.create_publisher(msg.GenerationStatistics, "evolution/statistics", 10)
         self.champions = self.node.create_publisher(msg.Champion, "evolution/champion", 10)
-        self.evolution = Evolution(options.settings, options.seed)
+        self.evolution = Evolution(options.settings, options.seed, options.start)
 
     def go(self) -> int:
         try:
@@ -88,7 +88,7 @@ class _Run:
 
     def _find_simulators_and_evolve(self) -> None:
         o = self.options
-        self.recorder.write("evolution/settings", evolution_message(o.settings, o.task, o.seed), time.time_ns(), latched=True)
+        self.recorder.write("evolution/settings", evolution_message(o.settings, o.task, o.seed, o.start), time.time_ns(), latched=True)
         services = [] if o.simulators else self._find()
         if services:
             print(f"Evolving on {len(services)} simulators of the graph: {', '.join(services)}; recording to {o.out}", flush=True)
