@@ -114,3 +114,11 @@ def test_a_run_begins_from_given_genomes_their_mutants_and_random_ones():
         asked = Evolution(Settings(population=20, start_share=share, units=50), 7, given).ask()
         assert sum(len(genome) < 60 for genome in asked) == min(kept, len(asked))
     assert Evolution(Settings(population=20), 7).ask() == Evolution(Settings(population=20), 7, ()).ask()
+
+
+def test_scent_points_scatter_farther_in_the_first_population_alone():
+    given = [random_genome(np.random.default_rng(1), 3)]
+    first = Evolution(Settings(population=40, scent_extent=6.0), 7, given).ask()
+    assert first[0] == given[0]
+    points = np.array([(genome.x[3], genome.y[3]) for genome in first[1:]])
+    assert np.abs(points).max() <= 6.0 and np.abs(points).mean() > 2.0

@@ -24,6 +24,8 @@ setup(
             "audit = evodevo_sim.audit_command:main",
             "simulate = evodevo_sim.simulate:main",
             "replay = evodevo_sim.replay.cli:main",
+            "chase = evodevo_sim.nodes.chase:main",
+            "turning = evodevo_sim.turning_command:main",
         ],
     },
 )

@@ -35,6 +35,10 @@ The run's directory holds a rosbag2 recording in MCAP and champion.yaml. See it 
 """
 
 
+# What differs from the defaults of Settings, by task: scent is strong, and acts on networks at points within 4 as a poison.
+_OF_TASK = {"chemotaxis": {"scent_extent": 6.0}}
+
+
 @dataclasses.dataclass(frozen=True)
 class Options:
     task: Task
@@ -61,14 +65,15 @@ def parse(arguments: list[str]) -> Options:
     group = parser.add_argument_group("genetic algorithm")
     for field in dataclasses.fields(Settings):
         group.add_argument(
-            f"--{field.name.replace('_', '-')}", default=field.default, type=type(field.default), metavar="N" if isinstance(field.default, int) else "X",
-            help=f"{field.metadata['meaning']} (default %(default)s)",
+            f"--{field.name.replace('_', '-')}", type=type(field.default), metavar="N" if isinstance(field.default, int) else "X",
+            help=f"{field.metadata['meaning']} (default {_defaults(field)})",
         )
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="set a number of the model, e.g. material.stiffness=300")
     given = parser.parse_args(without_ros(parser, arguments))
     try:
         task = with_settings(default_task(given.task), {"development.max_cells": given.cells, **pairs(given.set)})
-        settings = Settings(**{field.name: getattr(given, field.name) for field in dataclasses.fields(Settings)})
+        chosen = {field.name: getattr(given, field.name) for field in dataclasses.fields(Settings)}
+        settings = Settings(**_OF_TASK.get(task.name, {}) | {name: value for name, value in chosen.items() if value is not None})
         start = tuple(load_genome(_genome_file(Path(name))) for name in given.start)
         if len(start) > settings.population:
             raise ParameterError(f"--start gives {len(start)} genomes to a population of {settings.population}: give fewer")
@@ -82,6 +87,11 @@ def parse(arguments: list[str]) -> Options:
         parser.error(f"--look is {given.look}: give 0 to 3600 seconds")
     out = Path(given.out or f"bags/{task.name}-{datetime.now():%Y%m%d-%H%M%S}")
     return Options(task, settings, given.seed, out, given.simulators, given.look, given.quiet, start)
+
+
+def _defaults(field) -> str:
+    by_task = [f"{settings[field.name]} for {name}" for name, settings in _OF_TASK.items() if field.name in settings]
+    return ", ".join([str(field.default), *by_task])
 
 
 def _genome_file(path: Path) -> Path:

@@ -15,7 +15,7 @@ import numpy as np
 from evodevo_sim import Evaluation, Genome, ParameterError, Status, random_genome
 from evodevo_sim.parameters import Checked, parameter
 
-from .operators import crossover, delete, duplicate, flip, mutate_points, tournament
+from .operators import crossover, delete, duplicate, flip, mutate_points, scatter_scent, tournament
 
 
 @dataclass(frozen=True)
@@ -36,6 +36,7 @@ class Settings(Checked):
     flip: float = parameter(0.005, 0.0, 1.0, "", "probability per element of a change of sign, or of a gene's kind")
     units: int = parameter(20, 0, 10_000, "", "regulatory units in a random genome")
     extent: float = parameter(1.0, 0.0, 1e3, "", "half side of the square of a random genome's points")
+    scent_extent: float = parameter(0.0, 0.0, 1e3, "", "half side of the square of the scent's points in the first population; 0 is extent")
     start_share: float = parameter(0.5, 0.0, 1.0, "", "of the first population, that given genomes and their mutants make up")
 
     def __post_init__(self):
@@ -73,7 +74,7 @@ class Evolution:
     what, or in which order.
 
     Args: start: genomes to begin from, each as it is and then in mutants, in turn, up to `settings.start_share` of the first
-    population (and each at least once, as far as it has room); the rest is random.
+    population; the rest is random.
 
     Attributes: population (best first), champion, generation (of the population), evaluations.
     """
@@ -142,10 +143,10 @@ class Evolution:
 
     def _first(self, rng: np.random.Generator) -> list[Genome]:
         s, given = self.settings, list(self.start[: self.settings.population])
-        if given:
-            count = max(len(given), round(s.start_share * s.population))
-            given += [self._mutant(self.start[k % len(self.start)], rng) for k in range(len(given), count)]
-        return given + [random_genome(rng, s.units, s.extent) for _ in range(s.population - len(given))]
+        count = round(s.start_share * s.population) if given else 0
+        others = [self._mutant(given[k % len(given)], rng) for k in range(len(given), count)]
+        others += [random_genome(rng, s.units, s.extent) for _ in range(s.population - len(given) - len(others))]
+        return given + [scatter_scent(genome, rng, s.scent_extent) if s.scent_extent else genome for genome in others]
 
     def _mutant(self, genome: Genome, rng: np.random.Generator) -> Genome:
         s = self.settings

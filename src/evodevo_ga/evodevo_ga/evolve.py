@@ -12,6 +12,7 @@ from evodevo_msgs import msg
 from evodevo_sim import perform, save_genome
 from evodevo_sim.evaluation import prepare
 from evodevo_sim.nodes.common import stay_on_this_host
+from evodevo_sim.nodes.own import OwnSimulators
 from evodevo_sim.recording import Recorder, RecordingError, record_performance
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
@@ -19,7 +20,7 @@ from tqdm import tqdm
 
 from .arguments import Options, cores, parse
 from .evolution import Evolution, Individual
-from .fleet import Fleet, FleetError, OwnSimulators, find_simulators
+from .fleet import Fleet, FleetError, find_simulators
 from .messages import champion_message, evolution_message, statistics_message
 
 _DISCOVERY_OF_ALL = 4.0  # s from the node's start in which simulators are found if one is: DDS announces every 3 s

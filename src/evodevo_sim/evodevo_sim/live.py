@@ -113,11 +113,14 @@ class Stage:
         self._thread = threading.Thread(target=self._run, name="stage", daemon=True)
         self._thread.start()
 
-    def load(self, animat: Animat, real_time_factor: float) -> None:
-        """Replace the animat; the last target stays.  Args: real_time_factor: simulated s per s; 0 is as fast as it goes."""
+    def load(self, animat: Animat, real_time_factor: float) -> bool:
+        """Replace the animat; the last target stays.  Args: real_time_factor: simulated s per s; 0 is as fast as it goes.
+
+        Returns whether another one lived until then.
+        """
         if not 0.0 <= real_time_factor <= 1e6:
             raise ParameterError(f"real_time_factor is {real_time_factor!r}: give a number up to 1e6, or 0 for as fast as it goes")
-        self._do(lambda: self._enter(animat, animat.task.control_step / real_time_factor if real_time_factor else 0.0))
+        return self._do(lambda: self._enter(animat, animat.task.control_step / real_time_factor if real_time_factor else 0.0))
 
     def pause(self, paused: bool) -> bool:
         """Hold the animat, or let it go on.  Returns whether there is one."""
@@ -128,8 +131,11 @@ class Stage:
         return self._do(lambda: self._animat is not None and self._enter(self._animat, self._interval, anew=True))
 
     def aim(self, target: tuple[float, float] | None) -> None:
-        """Set the target of this animat and of those to come."""
-        self._do(lambda: self._aim(target))
+        """Set the target of this animat and of those to come, from the next control step on.
+
+        Nobody waits: however often this is called, the animat keeps its pace.
+        """
+        self._target = target
 
     def close(self) -> None:
         """End the thread.  Nothing is shown afterwards."""
@@ -160,6 +166,7 @@ class Stage:
     def _step(self):
         self._due = max(self._due + self._interval, time.monotonic() - _CATCH_UP)
         try:
+            self._animat.target = self._target
             self._animat.step()
             if self._animat.steps % self.every == 0:
                 self._show(self._animat)
@@ -173,17 +180,13 @@ class Stage:
     def _enter(self, animat, interval, anew=False):
         if anew:
             animat.reset()
+        others = self._animat is not None
         animat.target = self._target
         self._animat, self._interval, self._due = animat, interval, time.monotonic() + interval
         self._show(animat)
-        return True
+        return anew or others
 
     def _hold(self, paused):
         self._paused = paused
         self._due = time.monotonic() + self._interval
         return self._animat is not None
-
-    def _aim(self, target):
-        self._target = target
-        if self._animat is not None:
-            self._animat.target = target

@@ -23,6 +23,8 @@ def headline(recording: Recording, life: Life) -> tuple[str, str]:
     if len(life.time):
         facts.append(f"{life.position.shape[1]} cells, {len(life.chambers)} chambers")
         facts.append(f"{life.distance[-1]:.2f} cell diameters in {life.time[-1] - life.time[0]:.1f} s")
+        if len(life.target):
+            facts.append(f"{life.target_distance[-1]:.2f} m from the target")
     if recording.truncated:
         facts.append("the end of the recording is missing")
     return name_of(recording.path), "  ·  ".join(facts)
@@ -66,6 +68,10 @@ def _champion(champion: msg.Champion) -> str:
         "in the second half, m": f"{metrics.distance_second_half:.4g}",
         "activation amplitude": f"{metrics.activation_amplitude:.3g}",
     }
+    steering = metrics.steering
+    if steering.distance:
+        for side in ("left", "right"):
+            rows[f"target on the {side}, m"] = f"{steering.distance:.3g} at birth, {getattr(steering, side + '_distance'):.3g} at the end"
     return "## Champion\n\n" + _table(rows)
 
 
@@ -74,6 +80,8 @@ def _numbers(message, prefix: str = "") -> dict:
     rows = {}
     for name in message.get_fields_and_field_types():
         value = getattr(message, name)
+        if isinstance(value, list):  # of genomes to begin from
+            value = len(value)
         nested = hasattr(value, "get_fields_and_field_types")
         rows |= _numbers(value, f"{prefix}{name}.") if nested else {prefix + name: value}
     return {name: f"{value:g}" if isinstance(value, float) else value for name, value in rows.items()}
