@@ -1,7 +1,7 @@
 # evodevo: `make` says what there is.  Every target sets up what is missing first.
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build evolve test replay lock clean
+.PHONY: help setup build evolve test bench replay lock clean
 MAKEFLAGS += --no-print-directory
 
 in_environment := scripts/run.sh
@@ -11,6 +11,7 @@ help:
 	@echo 'make evolve [ARGS="..."]          evolve: ros2 run evodevo_ga evolve ARGS'
 	@echo 'make replay [ARGS="..."]          show a recording: ros2 run evodevo_sim replay ARGS'
 	@echo 'make test [ARGS="..."]            run the tests: pytest tests ARGS'
+	@echo 'make bench [ARGS="..."]           measure: benchmarks/run.py ARGS; ARGS=--quick for a look'
 	@echo 'make lock                         pin requirements.in in requirements.lock'
 	@echo 'make clean                        remove everything that set-up made'
 
@@ -27,6 +28,9 @@ replay: setup
 # Each run has a ROS domain of its own.
 test: setup
 	@ROS_DOMAIN_ID=$${ROS_DOMAIN_ID:-$$(shuf -i 1-100 -n 1)} $(in_environment) python -m pytest tests $(ARGS)
+
+bench: setup
+	@$(in_environment) python benchmarks/run.py $(ARGS)
 
 lock:
 	@scripts/lock.sh

@@ -1,113 +1,156 @@
-"""What one evaluation costs, for several limits of cells.
+#!/usr/bin/env python
+"""What one evaluation costs, what the time goes to, and how accurate it is.
 
-    python benchmarks/evaluation.py [--quick]
+    python benchmarks/evaluation.py [--quick] [--out DIR]
 
-Genomes are the first random ones that fill their limit of cells, evaluate as OK and move their muscles a little, so that no
-run ends early.  Times are of the processor, not of the clock on the wall, on one core: other work on the machine disturbs
-them less.  Shares come from timing each part alone on the same genome; what they do not explain is "rest".
+The genome is the champion of bags/sample-swim, grown to several limits of cells: its muscles never rest, so no run ends early.
+Parts are timed alone on the same body and network: growth; birth (body and rest before the swim); regulation; forces, each term by
+leaving it out; checks of every control step.  What they do not explain, the arithmetic of the integrator most of all, is "rest".
+Accuracy: root mean square over cells of the distance, in cell diameters, from the same life in 32 times the substeps.
 """
 
-import argparse
-import itertools
-import time
+from __future__ import annotations
 
-import numba
+import dataclasses
+
 import numpy as np
-from evodevo_sim import Development, Status, Task, evaluate, random_genome
-from evodevo_sim.life import birth, develop
-from evodevo_sim.physics import accelerations, check
-from evodevo_sim.regulation import exchange, regulate
+from common import FULL, TINY, Figure, best, champion, main, plt, race, save, write_csv
+from evodevo_sim import Development, Status, Task, evaluate, perform, random_genome
 from evodevo_sim.swim_task import kernel_arguments
+from evodevo_sim.life import birth, develop
+from evodevo_sim.scent import make_signals
+from evodevo_sim.swim import swim
+from kernels import many_accelerations, many_checks, many_regulations
 
+PART = "evaluation"
 NOBODY = np.empty((0, 0, 0)), np.empty((0, 0)), np.empty((0, 0, 0), np.int64)
+NO_TRACK = np.empty((0, 0, 0)), np.empty((0, 0))
 CALLS = 1000
-bare = numba.njit(error_model="numpy", _nrt=False)  # as `_jit.lean`, without its cache
+TERMS = {"damping": {"damping": 0.0}, "chambers": {"pressure": 0.0}, "drag": {"drag_normal": 0.0, "drag_tangential": 0.0}}
+SHARES = ("growth", "birth", "regulation", "springs", "damping", "chambers", "drag", "checks", "rest")
+HORIZON = 1000  # control steps, after which errors are taken
+LIMITS = ((5e-3, 20.0), (1e-4, 32.0))  # cell diameters; ms at 64 cells
+FINEST = 32
 
 
-@bare
-def many_accelerations(life, calls):
-    for _ in range(calls):
-        accelerations(life.body, life.law, life.rest, life.position, life.velocity, life.scratch, life.scratch.k1)
+def life_of(genome, task):
+    genes, _, development, continual, material, scene, given = kernel_arguments(genome, task)
+    return birth(genes, development, continual, material, scene, given, task.control_step, 1)[1]
 
 
-@bare
-def many_checks(life, calls):
-    outcome = 0
-    for _ in range(calls):
-        outcome += check(life.body, life.position, life.velocity, 1e-3)
-    return outcome
+def measure(cells, genome, rounds):
+    """One row: milliseconds of an evaluation, and its shares in per cent."""
+    task = Task(development=Development(max_cells=cells))
+    genes, _, development, continual, material, scene, given = kernel_arguments(genome, task)
+    life = life_of(genome, task)
+    life.velocity[:] = 0.1 * np.random.default_rng(0).standard_normal(life.velocity.shape)
+    out = np.empty_like(life.velocity)
+
+    def forces(law):
+        return lambda: many_accelerations(life.body, law, life.rest, life.position, life.velocity, life.scratch, out, CALLS)
+
+    network = life.network, life.table, life.drive, life.start, life.neighbour, life.share
+    born = life.table.copy()
+
+    def regulation():  # from birth every time: after thousands of steps what decays gets denormal, and slow
+        life.table[:] = born
+        many_regulations(*network, task.development.regulation_rate, cells, CALLS)
+
+    seconds = best(race({
+        "whole": lambda: evaluate(genome, task),
+        "growth": lambda: develop(genes, development, continual, given, *NOBODY),
+        "birth": lambda: birth(genes, development, continual, material, scene, given, task.control_step, 1),
+        "regulation": regulation,
+        "checks": lambda: many_checks(life.body, life.position, life.velocity, 1e-3, CALLS),
+        "forces": forces(life.law),
+        **{f"without {term}": forces(life.law._replace(**changes)) for term, changes in TERMS.items()},
+    }, rounds, f"evaluations at {cells} cells"))
+    steps, calls = task.control_steps, 4 * life.substeps * task.control_steps
+    force = seconds["forces"] / CALLS
+    part = {"growth": seconds["growth"], "birth": max(seconds["birth"] - seconds["growth"], 0.0)}
+    part |= {name: seconds[name] / CALLS * steps for name in ("regulation", "checks")}
+    part |= {term: max(force - seconds[f"without {term}"] / CALLS, 0.0) * calls for term in TERMS}
+    part["springs"] = force * calls - sum(part[term] for term in TERMS)
+    part["rest"] = seconds["whole"] - sum(part.values())
+    about = {"cells": cells, "substeps": life.substeps, "nodes": life.network.nodes.size, "milliseconds": 1e3 * seconds["whole"]}
+    return about | {f"{name}, %": 100 * part[name] / seconds["whole"] for name in SHARES}
 
 
-@bare
-def many_regulations(life, calls):
-    for _ in range(calls):
-        exchange(life.network, life.table, life.start, life.neighbour, life.muscle.size, life.share)
-        regulate(life.network, life.table, life.drive, life.muscle.size, 0.1)
-
-
-def seconds(action, repeats):
-    """CPU seconds of every repeat, after one to compile and warm up."""
-    action()
-    times = []
-    for _ in range(repeats):
-        start = time.thread_time()
-        action()
-        times.append(time.thread_time() - start)
-    return np.array(times)
+def accuracy(genome, cells, rounds, horizon, finest):
+    """Rows: milliseconds of an evaluation, and its error after `horizon` control steps, in more and more substeps."""
+    task = Task(development=Development(max_cells=cells))
+    short = dataclasses.replace(task, control_steps=horizon)
+    exact = perform(genome, short, finer=finest).position[-1]
+    finer = [2**k for k in range(int(np.log2(finest)) - 1)]
+    arguments = kernel_arguments(genome, task)
+    seconds = best(race({f: lambda f=f: swim(*arguments, f, make_signals(), *NO_TRACK) for f in finer}, rounds, "accuracy"))
+    rows = []
+    for f in finer:
+        performance = perform(genome, short, finer=f)
+        error = np.sqrt(((performance.position[-1] - exact) ** 2).sum(-1).mean())
+        rows.append({"cells": cells, "finer": f, "substeps": performance.evaluation.metrics.substeps, "error": float(error),
+                     "milliseconds": 1e3 * seconds[f]})
+    return rows
 
 
 def lively(task, count):
-    """Genomes that fill the limit of cells and never rest."""
-    found = []
-    for seed in itertools.count():
+    """The first random genomes that fill the limit of cells and never rest."""
+    found, seed = [], 0
+    while len(found) < count:
         genome = random_genome(np.random.default_rng(seed))
+        seed += 1
         evaluation = evaluate(genome, task)
         full = evaluation.metrics.cells == task.development.max_cells
         if full and evaluation.status == Status.OK and evaluation.metrics.activation_amplitude > 1e-9:
             found.append(genome)
-            if len(found) == count:
-                return found
+    return found
 
 
-def measure(genome, task, repeats):
-    """Seconds: (all repeats of an evaluation, growth, settling, regulation, force evaluations, checks, one force evaluation)."""
-    arguments = kernel_arguments(genome, task)
-    genes, _, development, continual, material, scene, given = arguments
-    whole = seconds(lambda: evaluate(genome, task), repeats)
-    grow = seconds(lambda: develop(genes, development, continual, given, *NOBODY), repeats).min()
+def run(effort, out):
+    sizes, rounds = (((8,), 2), ((32, 64), 5), ((8, 16, 32, 48, 64), 15))[effort]
+    genome = champion()
+    table = [measure(cells, genome, rounds) for cells in sizes]
+    write_csv(out / "evaluation.csv", table)
+    errors = []
+    for cells in sizes if effort == TINY else (32, 64):
+        errors += accuracy(genome, cells, max(2, rounds // 2), *((100, 8) if effort == TINY else (HORIZON, FINEST)))
+    write_csv(out / "evaluation_error.csv", errors)
+    figures = []
+    if effort > TINY:
+        draw(table, out / "evaluation.png")
+    for row in table:
+        if row["cells"] in (32, 64):
+            text = ", ".join(f"{name} {row[f'{name}, %']:.0f}" for name in SHARES)
+            figures.append(Figure(PART, f"{row['cells']} cells: shares of an evaluation, %", text))
+    for cells in dict.fromkeys(row["cells"] for row in errors):
+        mine = [row for row in errors if row["cells"] == cells]
+        error, substeps = mine[0]["error"], mine[0]["substeps"]
+        figures.append(Figure(PART, f"{cells} cells: error in the default {substeps} substeps", f"{error:.1e}", "<= 5e-3", error <= 5e-3))
+        for most, milliseconds in LIMITS:
+            row = next((row for row in mine if row["error"] <= most), None)
+            if row:
+                text = f"{row['milliseconds']:.1f} ms at {row['error']:.1e}, in {row['substeps']} substeps"
+                asked = (f"<= {milliseconds:g} ms", row["milliseconds"] <= milliseconds) if cells == 64 else ()
+                figures.append(Figure(PART, f"{cells} cells: evaluation with an error <= {most:g}", text, *asked))
+    if effort == FULL:
+        task = Task(development=Development(max_cells=64))
+        random = best(race({k: lambda g=g: evaluate(g, task) for k, g in enumerate(lively(task, 4))}, 7, "random genomes"))
+        times = [value / (table[-1]["milliseconds"] / 1e3) for value in random.values()]
+        figures.append(Figure(PART, "64 cells: time of random genomes that never rest over the champion's", f"{min(times):.2f} to {max(times):.2f}"))
+    return figures
 
-    def be_born():
-        return birth(genes, development, continual, material, scene, given, task.control_step, 1)[1]
 
-    born = seconds(be_born, repeats).min()
-    life = be_born()
-    life.velocity[:] = 0.1 * np.random.default_rng(0).standard_normal(life.velocity.shape)
-    regulation, force, look = (
-        seconds(lambda: action(life, CALLS), repeats).min() / CALLS for action in (many_regulations, many_accelerations, many_checks)
-    )
-    steps = task.control_steps
-    return whole, grow, max(born - grow, 0.0), regulation * steps, 4 * life.substeps * force * steps, look * steps, force
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--quick", action="store_true", help="two sizes, two genomes each, few repeats")
-    quick = parser.parse_args().quick
-    sizes, count, repeats = ((32, 64), 2, 8) if quick else ((8, 16, 32, 48, 64), 6, 30)
-    print(f"CPU time on one core; {count} genomes each, best of {repeats} repeats; growth of 400 and life of 2000 steps")
-    print("cells   ms: min  median   ns per force   % growth settling regulation physics checks   rest")
-    for cells in sizes:
-        task = Task(development=Development(max_cells=cells))
-        rows = [measure(genome, task, repeats) for genome in lively(task, count)]
-        best = np.array([row[0].min() for row in rows])
-        share = np.array([row[1:6] for row in rows]) / best[:, None]
-        parts = 100 * share.mean(axis=0)
-        force = 1e9 * np.mean([row[6] for row in rows])
-        print(
-            f"{cells:5d}   {1e3 * best.min():7.2f} {1e3 * np.median(best):7.2f}   {force:12.0f}   "
-            f"{parts[0]:8.0f} {parts[1]:8.0f} {parts[2]:10.0f} {parts[3]:7.0f} {parts[4]:6.0f} {100 - parts.sum():6.0f}"
-        )
+def draw(table, path):
+    figure, axis = plt.subplots(figsize=(8, 4), constrained_layout=True)
+    base = np.zeros(len(table))
+    for name, colour in zip(SHARES, plt.get_cmap("tab10").colors):
+        share = np.array([row[f"{name}, %"] for row in table])
+        axis.barh([str(row["cells"]) for row in table], share, left=base, color=colour, label=name)
+        base += share
+    axis.set(xlabel="% of an evaluation", ylabel="cells", xlim=(0, 100))
+    axis.legend(loc="upper center", bbox_to_anchor=(0.5, 1.2), ncols=len(SHARES), fontsize=8, columnspacing=1.0, handlelength=1.0)
+    save(figure, path)
 
 
 if __name__ == "__main__":
-    main()
+    main(run, __doc__)

@@ -1,5 +1,6 @@
 """Audits: a sound fitness stands, one that the step made up does not, and every bad input is one line."""
 
+import dataclasses
 import time
 
 import numpy as np
@@ -42,6 +43,24 @@ def test_a_fitness_that_changes_more_than_asked_does_not_stand(genome):
     result = audit(genome, task, most_change=1e-6)
     assert not result.stands and len(result.faults) == 2
     assert result.faults[0].startswith("8 x finer: fitness changes by ")
+
+
+def test_a_quick_audit_finds_the_same_in_much_fewer_steps(genome):
+    task = with_settings(Task(), SHORT)
+    whole, quick = audit(genome, task), audit(genome, task, quick=True)
+    assert quick.stands and quick.runs[0] == whole.runs[0] and not any(run.ledger for run in quick.runs[1:])
+    for a, b in zip(whole.runs[1:], quick.runs[1:]):
+        assert b.fitness == pytest.approx(a.fitness, rel=1e-4) and b.chamber == pytest.approx(a.chamber, rel=1e-4)
+
+
+def test_motion_is_judged_apart_from_the_bonus_for_activity(genome):
+    from evodevo_sim.audit import _faults
+
+    task = with_settings(Task(), {**SHORT, "activity_bonus": 1e5})
+    runs = list(audit(genome, task, quick=True).runs)
+    assert runs[0].fitness > 1e4 and list(_faults(runs, 0.01)) == []
+    runs[1] = dataclasses.replace(runs[1], sustained=runs[0].sustained * 1.1)
+    assert abs(runs[1].change) < 1e-4 and [f[:46] for f in _faults(runs, 0.01)] == ["4 x finer: the sustained distance changes by +"]
 
 
 def test_energy_that_nobody_put_in_does_not_stand(genome, monkeypatch):

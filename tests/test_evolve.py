@@ -13,6 +13,8 @@ from evodevo_ga.in_process import evaluate_all
 from evodevo_sim import Task, evaluate, load_genome
 from evodevo_sim.parameters import with_settings
 from evodevo_sim.recording import read_recording
+from evodevo_sim.replay.life import life_of
+from evodevo_sim.replay.summary import headline, markdown
 from lab import DEADLINE, Operator, simulators
 
 SMALL = ["--generations", "4", "--population", "14", "--cells", "8", "--seed", "3", "--set", "control_steps=80"]
@@ -52,6 +54,24 @@ def test_a_run_through_nodes_is_the_run_in_process_bit_for_bit(tmp_path, in_proc
     assert [s.median for s in recording.statistics] == [g.median for g in history]
     assert [s.diversity for s in recording.statistics] == [g.diversity for g in history]
     assert recording.settings.seed == 3 and recording.settings.task.development.max_cells == 8
+    grown = [champion for champion in recording.champions if not champion.evaluation.cause]
+    assert [(a.generation, a.fitness) for a in recording.audits] == [(c.generation, c.evaluation.fitness) for c in grown] != []
+    assert "audit: the fitness stands" in (tmp_path / "run/champion.yaml").read_text() and "the fitness stands" in stdout
+
+
+def test_champions_that_fail_their_audit_are_marked_and_change_nothing_else(tmp_path, in_process):
+    code = "import evodevo_sim.audit as audit; audit.MOST_GAP = -1.0; from evodevo_ga.evolve import main; main()"
+    command = [sys.executable, "-c", code, *SMALL, "--simulators", "1", "--out", str(tmp_path / "run")]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=DEADLINE)
+    assert done.returncode == 0, done.stderr
+    recording = read_recording(tmp_path / "run")
+    assert recording.audits and not any(audit.stands for audit in recording.audits)
+    assert "of the energy is unexplained" in recording.audits[-1].faults[0]
+    assert done.stdout.count("of generation") == len(recording.audits) and "Audit:    FAILED: as evolved: " in done.stdout
+    assert "audit: 'FAILED: " in (tmp_path / "run/champion.yaml").read_text()
+    assert load_genome(tmp_path / "run/champion.yaml") == in_process[0].champion.genome
+    assert "fails its audit" in headline(recording, life_of(recording))[1]
+    assert "| audit | **failed:** as evolved" in markdown(recording, life_of(recording))
 
 
 def test_a_run_uses_the_simulators_on_the_graph_and_outlives_one(tmp_path, in_process):
@@ -79,7 +99,7 @@ def test_a_run_that_loses_its_last_simulator_keeps_what_was_done(tmp_path):
     assert process.returncode == 2 and "evolve: no simulator is left" in stderr and "Traceback" not in stderr
     recording = read_recording(tmp_path / "run")
     assert recording.statistics and recording.champions and recording.body.cells and not recording.truncated
-    assert "Champion: fitness" in stdout
+    assert "Champion: fitness" in stdout and f"Gait: {recording.gait.name}" in stdout
 
 
 def test_a_run_does_not_wait_for_a_simulator_that_is_listed_but_dead(tmp_path, in_process):

@@ -114,7 +114,7 @@ def test_the_cells_of_the_activation_plot_are_active_and_apart(bags):
     phase = np.array([0.0, 0.1, np.pi, 0.2, 0.0, 0.0, 0.0, 0.0, 0.0])
     amplitude = np.array([1.0, 0.9, 0.8, 0.9, 0.1, 0.1, 0.1, 0.1, 0.1])
     life.activation[:] = amplitude * np.sin(np.arange(STEPS)[:, None] / 5 + phase)
-    assert contrasting_cells(life) == [0, 2]
+    assert contrasting_cells(life.activation) == [0, 2]
 
 
 # --- Rerun ---------------------------------------------------------------------------------------------------------------

@@ -23,6 +23,7 @@ setup(
             "simulator = evodevo_sim.nodes.simulator:main",
             "audit = evodevo_sim.audit_command:main",
             "simulate = evodevo_sim.simulate:main",
+            "gait = evodevo_sim.gait.cli:main",
             "replay = evodevo_sim.replay.cli:main",
             "chase = evodevo_sim.nodes.chase:main",
             "turning = evodevo_sim.turning_command:main",

@@ -9,8 +9,11 @@ import time
 
 import rclpy
 from evodevo_msgs import msg
-from evodevo_sim import perform, save_genome
+from evodevo_sim import audit, perform, save_genome
 from evodevo_sim.evaluation import prepare
+from evodevo_sim.gait import GaitError, analyse, track_of_performance
+from evodevo_sim.gait.table import headline
+from evodevo_sim.messages import gait_message
 from evodevo_sim.nodes.common import stay_on_this_host
 from evodevo_sim.nodes.own import OwnSimulators
 from evodevo_sim.recording import Recorder, RecordingError, record_performance
@@ -19,14 +22,16 @@ from rclpy.signals import SignalHandlerOptions
 from tqdm import tqdm
 
 from .arguments import Options, cores, parse
+from .auditor import Auditor, Finding
 from .evolution import Evolution, Individual
 from .fleet import Fleet, FleetError, find_simulators
-from .messages import champion_message, evolution_message, statistics_message
+from .messages import audit_message, champion_message, evolution_message, statistics_message
 
 _DISCOVERY_OF_ALL = 4.0  # s from the node's start in which simulators are found if one is: DDS announces every 3 s
 _MORE = 0.5  # s at the least to look, and to wait for another one after each
 _ANSWER = 5.0  # s for a simulator of the graph to answer; one that was killed is listed for a while
 _START = 60.0  # s for one of our own to start
+_NOT_AUDITED = "not audited"
 
 
 class _Stop:
@@ -57,7 +62,9 @@ def main(arguments: list[str] | None = None) -> int:
             rclpy.init(args=["evolve", *arguments], signal_handler_options=SignalHandlerOptions.NO)
             run = _Run(options, recorder, stop)
             prepare(options.task)  # before simulators start, so that they only load the kernels
-            return run.go()
+            audit.prepare(options.task)
+            with Auditor(options.task, options.seed) as run.auditor:
+                return run.go()
     except (RecordingError, FleetError) as error:
         print(f"evolve: {error}", file=sys.stderr)
         return 2
@@ -76,6 +83,10 @@ class _Run:
         self.executor.add_node(self.node)
         self.statistics = self.node.create_publisher(msg.GenerationStatistics, "evolution/statistics", 10)
         self.champions = self.node.create_publisher(msg.Champion, "evolution/champion", 10)
+        self.audits = self.node.create_publisher(msg.Audit, "evolution/audit", 10)
+        self.auditor: Auditor  # set before `go`
+        self.champion: Individual | None = None  # the one recorded last; drift may put its equals before it
+        self.verdict = _NOT_AUDITED  # on it
         self.evolution = Evolution(options.settings, options.seed, options.start)
 
     def go(self) -> int:
@@ -140,34 +151,72 @@ class _Run:
         self.recorder.write("evolution/statistics", message, now)
         self.statistics.publish(message)
         if generation.improved:
-            champion = champion_message(generation.generation, self.evolution.champion, now * 1e-9)
+            self.champion, self.verdict = self.evolution.champion, _NOT_AUDITED
+            champion = champion_message(generation.generation, self.champion, now * 1e-9)
             self.recorder.write("evolution/champion", champion, now)
             self.champions.publish(champion)
-            _save(self.options, generation.generation, self.evolution.champion)
+            _save(self.options, generation.generation, self.champion, self.verdict)
+            if self.options.task.name in audit.TASKS and not self.champion.evaluation.cause:
+                self.auditor.submit(generation.generation, self.champion)
+        while self.auditor.ready:
+            self._record_finding(self.auditor.next_finding())
+
+    def _record_finding(self, finding: Finding) -> None:
+        now = time.time_ns()
+        message = audit_message(finding, now * 1e-9)
+        self.recorder.write("evolution/audit", message, now)
+        self.audits.publish(message)
+        verdict = "the fitness stands" if finding.audit.stands else "FAILED: " + "; ".join(finding.audit.faults)
+        if finding.champion is self.champion:
+            self.verdict = verdict
+            _save(self.options, finding.generation, finding.champion, verdict)
+        if not finding.audit.stands:
+            tqdm.write(f"Audit of the champion of generation {finding.generation} {verdict}")
+
+    def _finish_audits(self) -> None:
+        if len(self.auditor) > 2 and not self.stop():
+            print(f"Auditing the last {len(self.auditor)} champions", flush=True)
+        while len(self.auditor):
+            if self.stop():
+                self.auditor.drop_all_but_the_last()
+            self._record_finding(self.auditor.next_finding())
 
     def _finish(self) -> int:
         if not self.evolution.population:
             print(f"Stopped before the first generation: {self.options.out} holds the settings alone.")
             return 130
-        champion = self.evolution.champion
-        record_performance(self.recorder, perform(champion.genome, self.options.task, self.options.seed), time.time_ns())
+        champion = self.champion
+        self._finish_audits()
+        performance = perform(champion.genome, self.options.task, self.options.seed)
+        record_performance(self.recorder, performance, time.time_ns())
         m = champion.evaluation.metrics
         print(
             f"{self.evolution.generation + 1} generations, {self.evolution.evaluations} evaluations. "
             f"Champion: fitness {champion.evaluation.fitness:.3f}, {m.cells} cells, {m.chambers} chambers, "
             f"{m.distance:.2f} cell diameters in all, {m.distance_second_half:.2f} in the second half, "
             f"activation amplitude {m.activation_amplitude:.2f}.\n"
+            f"Audit:    {self.verdict}\n"
+            f"Gait:     {self._gait(performance)}.\n"
             f"See it:   ros2 run evodevo_sim replay {self.options.out}\n"
             f"Genome:   {self.options.out / 'champion.yaml'}"
         )
         return 130 if self.stop.asked else 0
 
+    def _gait(self, performance) -> str:
+        """Find and record the gait of the champion.  Returns: it in words."""
+        try:
+            gait = analyse(track_of_performance(performance, self.options.task)).gait
+        except GaitError as error:
+            return f"none, {error}"
+        self.recorder.write("gait", gait_message(gait), time.time_ns(), latched=True)
+        return headline(gait)
 
-def _save(options: Options, generation: int, champion: Individual) -> None:
+
+def _save(options: Options, generation: int, champion: Individual, verdict: str) -> None:
     e = champion.evaluation
     about = {
         "task": options.task.name, "cells": options.task.development.max_cells, "seed": options.seed, "generation": generation,
-        "fitness": repr(e.fitness), "distance": repr(e.metrics.distance),
+        "fitness": repr(e.fitness), "distance": repr(e.metrics.distance), "audit": verdict,
     }
     save_genome(options.out / "champion.yaml", champion.genome, about)
 

@@ -9,6 +9,7 @@ from evodevo_msgs import msg
 from evodevo_sim import Genome, Task, __version__
 from evodevo_sim.messages import evaluation_message, genome_message, task_message, time_message
 
+from .auditor import Finding
 from .evolution import Generation, Individual, Settings
 
 
@@ -29,4 +30,19 @@ def champion_message(generation: int, champion: Individual, seconds: float) -> m
         generation=generation,
         genome=genome_message(champion.genome),
         evaluation=evaluation_message(champion.evaluation),
+    )
+
+
+def audit_message(finding: Finding, seconds: float) -> msg.Audit:
+    runs = finding.audit.runs
+    fitness = [run.fitness for run in runs] if runs else [finding.audit.evaluation.fitness] * 3
+    return msg.Audit(
+        stamp=time_message(seconds),
+        generation=finding.generation,
+        stands=finding.audit.stands,
+        faults=list(finding.audit.faults),
+        fitness=fitness[0],
+        fitness_finer=fitness[1],
+        fitness_higher_order=fitness[2],
+        unexplained=runs[0].gap if runs else 0.0,
     )

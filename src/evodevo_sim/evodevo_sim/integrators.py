@@ -21,6 +21,7 @@ from .physics import SOUND, UNSTABLE, _copy, accelerations, make_scratch, set_re
 from .stability import EULER, VERLET
 
 _SLOWEST = 1e-9  # of an interval: an adaptive step below this has failed
+_MOST_TRIES = 100_000  # of adaptive steps in an interval
 
 # What moves a body.  law: see `physics.Law`; gravity m/s^2, downward; friction: Coulomb's coefficient; ground: whether y = 0
 # is solid; amplitude, frequency (Hz), phase (rad): (N,) of e - c = amplitude sin(2 pi frequency t + phase), or empty: rest
@@ -222,9 +223,9 @@ def carry_adaptively(system, t, seconds, tolerance, h, position, velocity, work,
 
     Args: tolerance: most error of a step, in m for every coordinate and in m/s for every speed; h: first step to try, s.
 
-    Returns: (SOUND or UNSTABLE, where steps got too small; next step to try; force evaluations).
+    Returns: (SOUND or UNSTABLE, where steps got too small or too many; next step to try; force evaluations).
     """
-    done, used, first = 0.0, 0, 0
+    done, used, first, tries = 0.0, 0, 0, 0
     error_weight = _DORMAND_PRINCE[3]
     last = error_weight.size - 1
     while done < seconds:
@@ -256,6 +257,7 @@ def carry_adaptively(system, t, seconds, tolerance, h, position, velocity, work,
         factor = 5.0 if error == 0.0 else min(5.0, max(0.2, 0.9 * error**-0.2))
         if error > 1.0 or step == h or factor < 1.0:
             h = step * factor
-        if h < _SLOWEST * seconds:
+        tries += 1
+        if h < _SLOWEST * seconds or tries > _MOST_TRIES:
             return UNSTABLE, h, used
     return SOUND, h, used

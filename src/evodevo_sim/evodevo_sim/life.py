@@ -19,6 +19,7 @@ from .regulation import CONTRACTION, EXPANSION, exchange, express, prune, regula
 OK, NO_GROWTH, NO_CHAMBER, RESTING, UNSTABLE_PHYSICS, INVERTED_CHAMBER = range(6)
 SETTLE_TOLERANCE = 1e-3  # m/s^2
 SETTLE_LIMIT = 2000
+MOST_SUBSTEPS = 1000  # of physics in a control step; a body that needs more would keep everybody waiting for hours
 _STILL = 1e-7  # m/s and m/s^2 below which a body rests
 
 # A living animat.  Changed by `live`: position, velocity (2, N), muscle (N,) of e - c, table, past; the rest is scratch
@@ -65,7 +66,7 @@ def birth(genome, development, continual, material, scene, given_inputs, control
 
     Args: finer: times as many substeps as are stable; 1 but for an audit.
 
-    Returns: (OK, NO_GROWTH or NO_CHAMBER; Life, which moves only if OK).
+    Returns: (OK, NO_GROWTH, NO_CHAMBER, or UNSTABLE_PHYSICS where it needs more than MOST_SUBSTEPS; Life, which moves only if OK).
     """
     weights, units, embryo = develop(
         genome, development, continual, given_inputs, np.empty((0, 0, 0)), np.empty((0, 0)), np.empty((0, 0, 0), np.int64)
@@ -79,12 +80,15 @@ def birth(genome, development, continual, material, scene, given_inputs, control
         status = NO_CHAMBER
     network = prune(weights, units, np.array([False, False, True, True]), given_inputs)
     law = make_law(material, scene)
+    substeps = choose_substeps(body, law, control_step) if status == OK else 0
+    if substeps > MOST_SUBSTEPS:
+        status, substeps = UNSTABLE_PHYSICS, 0
     past = embryo.past if continual else _keep_read(embryo.past, weights, units, given_inputs, network)
     life = Life(
         body, law, network, units, embryo.table, past, embryo.delay, embryo.start, embryo.neighbour, embryo.steps,
         np.empty((network.nodes.size, cells)), np.empty((cells, 4)), np.empty(cells), np.empty(body.rest_length.size),
         body.position.T.copy(), np.zeros((2, cells)), make_scratch(body),
-        finer * choose_substeps(body, law, control_step) if status == OK else 0,
+        finer * substeps,
     )
     if status == OK:
         for i in range(cells):

@@ -11,7 +11,7 @@ import numpy as np
 
 from .genome import Genome
 from .life import birth
-from .outcome import FAILURE, Status
+from .outcome import FAILURE, STIFF, Status
 from .parameters import ParameterError, Task
 from .scent import make_signals, scent_row
 from .swim import live
@@ -51,7 +51,7 @@ class Animat:
         status, self._life = birth(genome, *others, task.control_step, 1)
         self.status = Status(status)
         if self.status != Status.OK:
-            raise NotViable(self.cause)
+            raise NotViable(STIFF if self.status == Status.UNSTABLE else self.cause)
         self.steps = 0
         self.body = self._life.body
         self.position, self.velocity, self.activation = (

@@ -1,6 +1,6 @@
 """Between the library's objects and `evodevo_msgs`, without losing a bit.
 
-Dataclasses and messages of one name have fields of the same names, so Task, Metrics and what is nested in them are converted
+Dataclasses and messages of one name have fields of the same names, so Task, Metrics, Gait and what is nested in them are converted
 by walking their fields: a new field needs a line in the dataclass and one in the `.msg`, and nothing here.
 """
 
@@ -52,6 +52,18 @@ def evaluation_message(evaluation: Evaluation) -> msg.Evaluation:
 def evaluation_from_message(message: msg.Evaluation) -> Evaluation:
     """The evaluation of a message.  Raises ValueError where its status is unknown."""
     return Evaluation(message.fitness, Status(message.status), message.cause, _object(Metrics, message.metrics))
+
+
+def gait_message(gait) -> msg.Gait:
+    """The message of a `gait.Gait`."""
+    return _message(gait)
+
+
+def gait_from_message(message: msg.Gait):
+    """The `gait.Gait` of a message."""
+    from .gait import Gait  # it takes SciPy, which nodes do without
+
+    return _object(Gait, message)
 
 
 def time_message(seconds: float) -> Time:

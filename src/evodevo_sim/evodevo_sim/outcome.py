@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntEnum
 
+from .life import MOST_SUBSTEPS
+
 
 class Status(IntEnum):
     """How an evaluation ended; the same numbers as in `evodevo_msgs/Evaluation`."""
@@ -17,6 +19,8 @@ class Status(IntEnum):
     INVERTED = 5
     INVALID_GENOME = 6
 
+
+STIFF = f"the body needs more than {MOST_SUBSTEPS} physics steps in a control step: lower stiffness, damping or pressure, or raise mass"
 
 # Fitness of what cannot be scored: all of it below a body that stands still, ordered so that growing comes before failing.
 FAILURE = {

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .genome import INPUT_NAMES, Genome
-from .outcome import FAILURE, Evaluation, Metrics, Status, failure
+from .outcome import FAILURE, STIFF, Evaluation, Metrics, Status, failure
 from .parameters import Task
 from .scent import make_signals
 from .swim import swim
@@ -45,7 +45,8 @@ def score(result, task: Task) -> Evaluation:
         activation_amplitude=0.0 if failed else result.amplitude,
     )
     if failed:
-        return failure(status, metrics, result.failed_step)
+        stiff = status == Status.UNSTABLE and result.failed_step < 0
+        return failure(status, metrics, result.failed_step, STIFF if stiff else "")
     # Motion counts only as far as muscles move it, to the end: creeping and coasting with a network at rest earn nothing.
     fitness = result.active * (task.windows * metrics.slowest_window + task.activity_bonus)
     return Evaluation(fitness, status, "", metrics)

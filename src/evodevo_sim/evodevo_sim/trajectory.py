@@ -12,6 +12,7 @@ from .physics import SOUND, UNSTABLE, _copy, set_rest_lengths
 from .stability import ADAPTIVE, RK4, choose_steps, is_sound
 
 DOUBLINGS = 3  # of the steps of a frame that came out unsound
+MOST_STEPS = 100_000  # in a frame, before they are doubled
 
 
 @lean
@@ -42,8 +43,8 @@ def carry_soundly(system, method, t, seconds, steps, doublings, position, veloci
 def follow(system, method, bound, steps, finer, tolerance, h, time, first, last, position, velocity, work, track_p, track_v):
     """Carry a state from frame to frame, in place, and keep every frame: in track_p and track_v, (T, N, 2) as users see them.
 
-    Args: steps: in a frame, unrepeated; 0: `finer` times as many as `choose_steps` says, doubled where unsound; h: first
-        adaptive step to try, 0: as RK4 would.
+    Args: steps: in a frame, unrepeated; 0: `finer` times as many as `choose_steps` says, doubled where unsound, at most
+        MOST_STEPS; h: first adaptive step to try, 0: as RK4 would.
 
     Returns: (outcome; the last sound frame; next adaptive step).
     """
@@ -58,9 +59,11 @@ def follow(system, method, bound, steps, finer, tolerance, h, time, first, last,
                 outcome = is_sound(system, position, velocity, 0.0, work)
         else:
             count = steps if steps else finer * choose_steps(system, method, bound, position, velocity, seconds)
-            outcome, _ = carry_soundly(
-                system, method, time[k], seconds, count, 0 if steps else DOUBLINGS, position, velocity, work, nothing
-            )
+            outcome = UNSTABLE
+            if count <= MOST_STEPS:
+                outcome, _ = carry_soundly(
+                    system, method, time[k], seconds, count, 0 if steps else DOUBLINGS, position, velocity, work, nothing
+                )
         if outcome != SOUND:
             return outcome, k, h
         track_p[k + 1], track_v[k + 1] = position.T, velocity.T
@@ -69,9 +72,10 @@ def follow(system, method, bound, steps, finer, tolerance, h, time, first, last,
 
 @kernel
 def repeat(system, method, steps, tolerance, control_step, activation, position, velocity, work, ledger, path):
-    """Move a body by the muscles of a life, in place, with its ledger.
+    """Move a body by the muscles of a life, in place.
 
-    Args: activation (T + 1, N) of e - c, whose row k + 1 holds during control step k; path (windows + 1, 2): filled.
+    Args: activation (T + 1, N) of e - c, whose row k + 1 holds during control step k; ledger: (4,), added to, or empty; path
+    (windows + 1, 2): filled.
 
     Returns: (outcome; gain of stored energy, J; least S / S0 of any chamber after any control step).
     """
@@ -86,13 +90,14 @@ def repeat(system, method, steps, tolerance, control_step, activation, position,
         before = stored_energy(body, law, system.rest, 0.0, position, velocity)
         set_rest_lengths(body, activation[k + 1], system.rest)
         after = stored_energy(body, law, system.rest, 0.0, position, velocity)
-        ledger[0] += after[1] - before[1]  # muscles do their work at once, at the start of a control step
+        if ledger.size:
+            ledger[0] += after[1] - before[1]  # muscles do their work at once, at the start of a control step
         if method == ADAPTIVE:
             outcome, h, _ = carry_adaptively(system, 0.0, control_step, tolerance, h, position, velocity, work, ledger)
+            if outcome == SOUND:
+                outcome = is_sound(system, position, velocity, 0.0, work)
         else:
-            carry(system, method, 0.0, control_step, steps, position, velocity, work, ledger)
-        if outcome == SOUND:
-            outcome = is_sound(system, position, velocity, 0.0, work)
+            outcome, _ = carry_soundly(system, method, 0.0, control_step, steps, DOUBLINGS, position, velocity, work, ledger)
         if outcome != SOUND:
             return outcome, np.nan, least
         least = min(least, least_chamber(body, position)[0])

@@ -1,9 +1,10 @@
 """Recordings: rosbag2 directories in MCAP, written by the process that makes the data.
 
     DIR/metadata.yaml, DIR/DIR_0.mcap
-        evolution/settings, evolution/statistics, evolution/champion      of a run
+        evolution/settings, evolution/statistics, evolution/champion, evolution/audit      of a run
         growth/body, growth/cell_states                                   the embryo, where its graph changes and at each step
         body (latched), cell_states                                       the animat that lives
+        gait (latched)                                                    what evolve found that motion to be
 """
 
 from .definitions import RecordingError

@@ -26,33 +26,39 @@ _HOW = "give a directory that `evolve` or `ros2 bag record -s mcap` made"
 class Recording:
     """The messages of a recording, in the order in which they were written; what it does not hold is None or empty.
 
-    Attributes: settings: Evolution; statistics: GenerationStatistics; champions: Champion; growth and states: CellStates;
-    growth_bodies: Body, where the embryo's graph changed; body: Body; targets: PoseStamped; targets_from: for each of them, how
-    many states came before it; truncated: whether the end is missing, or damaged.
+    Attributes: settings: Evolution; statistics: GenerationStatistics; champions: Champion; audits: Audit, of those champions
+    that the run got to; growth and states: CellStates; growth_bodies: Body, where the embryo's graph changed; body: Body;
+    gait: Gait of the states; targets: PoseStamped; targets_from: for each of them, how many states came before it; truncated:
+    whether the end is missing, or damaged.
     """
 
     path: Path
     settings: msg.Evolution | None = None
     statistics: list[msg.GenerationStatistics] = field(default_factory=list)
     champions: list[msg.Champion] = field(default_factory=list)
+    audits: list[msg.Audit] = field(default_factory=list)
     growth: list[msg.CellStates] = field(default_factory=list)
     growth_bodies: list[msg.Body] = field(default_factory=list)
     body: msg.Body | None = None
     states: list[msg.CellStates] = field(default_factory=list)
     targets: list[PoseStamped] = field(default_factory=list)
     targets_from: list[int] = field(default_factory=list)
+    gait: msg.Gait | None = None
     truncated: bool = False
 
 
 _LISTS = {
     "/evolution/statistics": ("statistics", msg.GenerationStatistics),
     "/evolution/champion": ("champions", msg.Champion),
+    "/evolution/audit": ("audits", msg.Audit),
     "/growth/cell_states": ("growth", msg.CellStates),
     "/growth/body": ("growth_bodies", msg.Body),
     "/cell_states": ("states", msg.CellStates),
     "/target_pose": ("targets", PoseStamped),
 }
-_SINGLE = {"/evolution/settings": ("settings", msg.Evolution), "/body": ("body", msg.Body)}
+_SINGLE = {
+    "/evolution/settings": ("settings", msg.Evolution), "/body": ("body", msg.Body), "/gait": ("gait", msg.Gait),
+}
 
 
 def read_recording(path: str | os.PathLike, progress: bool = False) -> Recording:

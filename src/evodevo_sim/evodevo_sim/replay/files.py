@@ -7,7 +7,7 @@ import tempfile
 from contextlib import contextmanager
 from pathlib import Path
 
-BEGINS_WITH = {".rrd": b"RRF", ".png": b"\x89PNG"}
+BEGINS_WITH = {".rrd": b"RRF", ".png": b"\x89PNG", ".csv": b"cell"}
 
 
 class OutputError(RuntimeError):

@@ -28,6 +28,7 @@ class Life:
         time (T,) s, running on from growth; position (T, N, 2) m; activation (T, N) of e - c.
         target (T, 2) m, NaN while there is none, or (0, 2) where there never was one; reach: m to where its scent ends, 0 if
             not known.
+        velocity (T, N, 2) m/s.
         springs (E, 2), outline (M, 2): cell indices; chambers: arrays of cell indices, counter-clockwise.
     """
 
@@ -42,6 +43,7 @@ class Life:
     chambers: list[np.ndarray] = field(default_factory=list)
     target: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))
     reach: float = 0.0
+    velocity: np.ndarray | None = None
 
     @property
     def centre(self) -> np.ndarray:
@@ -89,6 +91,7 @@ def life_of(recording: Recording) -> Life:
             activation=np.array([state.activation for state in states]).reshape(len(states), cells),
             target=targets,
             reach=settings.task.chemotaxis.scent_reach if settings is not None else 0.0,
+            velocity=np.array([(s.velocity_x, s.velocity_y) for s in states]).reshape(len(states), 2, cells).swapaxes(1, 2),
             **({} if body is None else _parts(body)),
         )
     except (ValueError, IndexError):
@@ -165,12 +168,12 @@ def _graphs(states: list, bodies: list) -> list[np.ndarray]:
     return [springs[k] if fit else none for k, fit in zip(latest, fits)]
 
 
-def contrasting_cells(life: Life) -> list[int]:
-    """Two cells whose activations differ most over the second half of the swim, among those that are active; or fewer.
+def contrasting_cells(activation) -> list[int]:
+    """Two cells whose activations (T, N) differ most over the second half, among those that are active; or fewer.
 
     They show the phase gradient of a gait, as in the paper's Fig. 5.
     """
-    late = life.activation[len(life.time) // 2 :]
+    late = activation[len(activation) // 2 :]
     if not late.size:
         return []
     amplitude = np.ptp(late, axis=0)

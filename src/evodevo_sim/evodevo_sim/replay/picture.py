@@ -17,7 +17,7 @@ _WIDTH, _DPI = 12.8, 125  # inches; 1600 px
 _LEFT, _RIGHT, _TOP, _BOTTOM, _GAP = 0.4, 0.25, 1.25, 0.55, 0.65  # margins and distance of rows, inches
 _TALLEST = {FRAMES: 2.4, FRAMES // 2: 4.6}  # inches, of the swim's frames, by columns
 _CYCLES = 8.0  # periods of the muscles to show
-_STYLE = {
+STYLE = {
     "font.family": "sans-serif", "font.size": 9, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True,
     "grid.color": "0.93", "axes.axisbelow": True, "axes.edgecolor": "0.6", "axes.titlesize": 10.5, "axes.titleweight": "bold",
     "axes.titlelocation": "left", "axes.titlepad": 9, "text.color": unit_rgb(INK), "axes.labelcolor": unit_rgb(INK),
@@ -31,7 +31,7 @@ def save_story(recording: Recording, life: Life, path, step=lambda part: None) -
 
     Args: path: where to, or a binary file; step: called with the name of each part before it is drawn.
     """
-    with matplotlib.rc_context(_STYLE):
+    with matplotlib.rc_context(STYLE):
         rows = [*_growth_row(life), *_swim_row(life), *_curves_row(recording, life)]
         height = _TOP + sum(tall for tall, _, _ in rows) + _GAP * max(0, len(rows) - 1) + _BOTTOM
         figure = Figure((_WIDTH, height), dpi=_DPI, facecolor="white")
@@ -140,7 +140,7 @@ def _swim_row(life: Life):
             draw_swim(axes, life, k)
             _caption(axes, f"{life.time[k] - life.time[0]:.3g} s")
             if number == 0:
-                for cell, colour in zip(contrasting_cells(life), (ACCENT, SECOND)):
+                for cell, colour in zip(contrasting_cells(life.activation), (ACCENT, SECOND)):
                     axes.plot(*life.position[k, cell], "o", color=unit_rgb(colour), mec="white", mew=1, ms=6, zorder=6)
             if number == min(columns, len(steps)) - 1:
                 scale_bar(axes, round_length(np.ptp(axes.get_xlim()) / 4))
@@ -171,7 +171,7 @@ def _period(activation, step: float) -> float:
 
 
 def _activation(axes, life: Life) -> None:
-    cells, seconds = contrasting_cells(life), life.time - life.time[0]
+    cells, seconds = contrasting_cells(life.activation), life.time - life.time[0]
     late = len(seconds) // 2
     shown = seconds >= 0
     if len(seconds) > 2:

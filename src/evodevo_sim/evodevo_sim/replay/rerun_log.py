@@ -144,7 +144,7 @@ def _log_trail(stream, life: Life) -> None:
 
 
 def _log_curves(stream, life: Life) -> None:
-    for k, (cell, colour) in enumerate(zip(contrasting_cells(life), (ACCENT, SECOND))):
+    for k, (cell, colour) in enumerate(zip(contrasting_cells(life.activation), (ACCENT, SECOND))):
         entity = f"plots/activation/cell_{cell}"
         _log_curve(stream, entity, _at(life.time), life.activation[:, cell], f"cell {cell}", colour)
     _log_curve(stream, "plots/distance", _at(life.time), life.distance, "centre of mass", THIRD)

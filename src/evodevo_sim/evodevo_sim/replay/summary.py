@@ -6,6 +6,8 @@ from pathlib import Path
 
 from evodevo_msgs import msg
 
+from ..gait.recorded import gait_of_recording
+from ..gait.table import headline as gait_headline
 from ..outcome import Status
 from ..recording import Recording
 from .life import Life
@@ -19,12 +21,17 @@ def headline(recording: Recording, life: Life) -> tuple[str, str]:
     if recording.statistics:
         facts.append(f"{len(recording.statistics)} generations" + (f" of {settings.population}" if settings is not None else ""))
     if recording.champions:
-        facts.append(f"fitness {recording.champions[-1].evaluation.fitness:.3f}")
+        found = _audit(recording)
+        mark = "" if found is None or found.stands else ", which fails its audit"
+        facts.append(f"fitness {recording.champions[-1].evaluation.fitness:.3f}{mark}")
     if len(life.time):
         facts.append(f"{life.position.shape[1]} cells, {len(life.chambers)} chambers")
         facts.append(f"{life.distance[-1]:.2f} cell diameters in {life.time[-1] - life.time[0]:.1f} s")
         if len(life.target):
             facts.append(f"{life.target_distance[-1]:.2f} m from the target")
+    gait = gait_of_recording(recording, life)
+    if gait is not None:
+        facts.append(gait.name)
     if recording.truncated:
         facts.append("the end of the recording is missing")
     return name_of(recording.path), "  ·  ".join(facts)
@@ -42,23 +49,36 @@ def markdown(recording: Recording, life: Life) -> str:
     if recording.truncated:
         parts.append("*The end of this recording is missing; this is what was saved.*")
     if recording.champions:
-        parts.append(_champion(recording.champions[-1]))
+        parts.append(_champion(recording.champions[-1], _audit(recording)))
     if len(life.time):
         cells, seconds = life.position.shape[1], life.time[-1] - life.time[0]
         parts.append(f"**Shown:** {cells} cells, {seconds:.1f} s, {life.distance[-1]:.3g} cell diameters from birth.")
+    gait = gait_of_recording(recording, life)
+    if gait is not None:
+        parts.append(f"**Gait:** {gait_headline(gait)}; {gait.why}.")
     if recording.statistics:
         last = recording.statistics[-1]
         parts.append(
             f"**Evolution:** {len(recording.statistics)} generations, {last.evaluations} evaluations, "
             f"best {last.best:.3f}, median {last.median:.3f}, diversity {last.diversity:.2f}."
         )
+    if recording.audits:
+        failed = [str(audit.generation) for audit in recording.audits if not audit.stands]
+        which = f"failed: those of generations {', '.join(failed)}." if failed else "failed."
+        parts.append(f"**Audits:** {len(recording.audits)} champions, {len(failed) or 'none'} {which}")
     parts.append("**Colours:** blue cells contract, green ones are at rest, red ones expand.")
     if recording.settings:
         parts.append("## Settings\n\n" + _table(_numbers(recording.settings)))
     return "\n\n".join(parts) + "\n"
 
 
-def _champion(champion: msg.Champion) -> str:
+def _audit(recording: Recording) -> msg.Audit | None:
+    """The audit of the last champion, if there is one."""
+    generation = recording.champions[-1].generation
+    return next((audit for audit in reversed(recording.audits) if audit.generation == generation), None)
+
+
+def _champion(champion: msg.Champion, audit: msg.Audit | None) -> str:
     evaluation, metrics = champion.evaluation, champion.evaluation.metrics
     status = Status(evaluation.status).name if evaluation.status in list(Status) else str(evaluation.status)
     rows = {
@@ -67,12 +87,21 @@ def _champion(champion: msg.Champion) -> str:
         "chambers": metrics.chambers, "distance, m": f"{metrics.distance:.4g}",
         "in the second half, m": f"{metrics.distance_second_half:.4g}",
         "activation amplitude": f"{metrics.activation_amplitude:.3g}",
+        "audit": _verdict(audit),
     }
     steering = metrics.steering
     if steering.distance:
         for side in ("left", "right"):
             rows[f"target on the {side}, m"] = f"{steering.distance:.3g} at birth, {getattr(steering, side + '_distance'):.3g} at the end"
     return "## Champion\n\n" + _table(rows)
+
+
+def _verdict(audit: msg.Audit | None) -> str:
+    if audit is None:
+        return "none"
+    if not audit.stands:
+        return "**failed:** " + "; ".join(audit.faults)
+    return f"the fitness stands: {audit.fitness_finer:.6g} in finer steps, {audit.fitness_higher_order:.6g} by order 5"
 
 
 def _numbers(message, prefix: str = "") -> dict:

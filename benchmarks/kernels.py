@@ -1,0 +1,99 @@
+"""Loops of the benchmarks that are compiled, so that no time is measured around single calls from Python.
+
+All in one file: numba's cache looks at this file and, by `_jit`, at those of evodevo_sim, but at no other.
+"""
+
+import numpy as np
+from evodevo_sim._jit import kernel, lean
+from evodevo_sim.gabriel import gabriel_edges
+from evodevo_sim.integrators import carry, carry_adaptively, set_muscles
+from evodevo_sim.physics import accelerations, check
+from evodevo_sim.regulation import exchange, regulate
+from evodevo_sim.stability import ADAPTIVE
+from evodevo_sim.scent import Signals
+from evodevo_sim.swim import live
+
+
+@lean
+def many_accelerations(body, law, rest, position, velocity, scratch, out, calls):
+    for _ in range(calls):
+        accelerations(body, law, rest, position, velocity, scratch, out)
+
+
+@lean
+def many_checks(body, position, velocity, h, calls):
+    outcome = 0
+    for _ in range(calls):
+        outcome += check(body, position, velocity, h)
+    return outcome
+
+
+@lean
+def many_regulations(network, table, drive, start, neighbour, share, rate, cells, calls):
+    for _ in range(calls):
+        exchange(network, table, start, neighbour, cells, share)
+        regulate(network, table, drive, cells, rate)
+
+
+@lean
+def many_graphs(position, witness, edges, calls):
+    count = 0
+    for _ in range(calls):
+        count = gabriel_edges(position, position.shape[0], witness, edges)
+    return count
+
+
+@lean
+def slope(system, t, position, velocity, scratch, out):
+    """The right-hand side that every integrator sees: accelerations (2, N) with driven muscles and gravity."""
+    set_muscles(system, t)
+    accelerations(system.body, system.law, system.rest, position, velocity, scratch, out)
+    for i in range(out.shape[1]):
+        out[1, i] -= system.gravity
+
+
+@kernel
+def travel(system, method, effort, step, intervals, position, velocity, work):
+    """Carry a state over intervals of `step` seconds, in place.  Args: effort: steps in each, or the tolerance.
+
+    Returns: force evaluations where they are counted, in adaptive steps; else 0.
+    """
+    nothing = np.empty(0)
+    h, used = step / 8.0, 0
+    for k in range(intervals):
+        if method == ADAPTIVE:
+            _, h, now = carry_adaptively(system, k * step, step, effort, h, position, velocity, work, nothing)
+            used += now
+        else:
+            carry(system, method, k * step, step, int(effort), position, velocity, work, nothing)
+    return used
+
+
+@kernel
+def grows(system, method, h, chunks, chunk, position, most, work):
+    """Whether a small displacement from rest outgrows `most` (m) within that many chunks of steps of h seconds."""
+    nothing = np.empty(0)
+    velocity = np.zeros_like(position)
+    rest = system.body.position
+    for _ in range(chunks):
+        carry(system, method, 0.0, h * chunk, chunk, position, velocity, work, nothing)
+        for i in range(position.shape[1]):
+            if not abs(position[0, i] - rest[i, 0]) + abs(position[1, i] - rest[i, 1]) < most:
+                return True
+    return False
+
+
+@kernel
+def live_on(life, steps, seconds, development, continual):
+    """Live all control steps, whether or not all rests.  Returns: (status of the last stretch, step first seen at rest or -1)."""
+    nothing, track, traces = np.empty((2, 0)), np.empty((0, 0, 0)), np.empty((0, 0))
+    still = Signals(np.empty(0), np.empty(0), np.zeros(2, np.uint64))
+    step, status, rested = 0, 0, -1
+    while step < steps:
+        before = step
+        status, step = live(life, step, steps, seconds, development, continual, still, nothing, track, traces)
+        if step == before:  # failed
+            break
+        if step < steps and rested < 0:
+            rested = step
+    return status, rested

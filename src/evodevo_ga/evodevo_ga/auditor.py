@@ -1,0 +1,66 @@
+"""Audits of new champions beside a run, which neither wait for them nor change by what they find."""
+
+from __future__ import annotations
+
+import os
+import threading
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+
+from evodevo_sim import Task
+from evodevo_sim.audit import Audit, audit
+
+from .evolution import Individual
+
+_NICE = 10  # of the thread that audits: simulators go first
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What the audit of the champion of a generation found."""
+
+    generation: int
+    champion: Individual
+    audit: Audit
+
+
+class Auditor:
+    """Audits champions in the order given, in one thread of low priority.  A context: at its end, what has not begun is dropped."""
+
+    def __init__(self, task: Task, seed: int):
+        self._task, self._seed = task, seed
+        self._pool = ThreadPoolExecutor(1, "audit", _step_back)
+        self._under_way: list[tuple[int, Individual, Future]] = []
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._pool.shutdown(wait=True, cancel_futures=True)
+
+    def submit(self, generation: int, champion: Individual) -> None:
+        future = self._pool.submit(audit, champion.genome, self._task, self._seed, quick=True)
+        self._under_way.append((generation, champion, future))
+
+    def drop_all_but_the_last(self) -> None:
+        """Forget what has not begun, but for the newest champion."""
+        self._under_way = [one for k, one in enumerate(self._under_way) if k == len(self._under_way) - 1 or not one[2].cancel()]
+
+    def __len__(self) -> int:
+        """Audits whose findings nobody has taken."""
+        return len(self._under_way)
+
+    @property
+    def ready(self) -> bool:
+        """Whether there is a finding to take."""
+        return bool(self._under_way) and self._under_way[0][2].done()
+
+    def next_finding(self) -> Finding:
+        """Take the oldest finding, once it is there."""
+        generation, champion, future = self._under_way.pop(0)
+        return Finding(generation, champion, future.result())
+
+
+def _step_back() -> None:
+    """Lower the priority of this thread alone, as Linux allows."""
+    os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), os.getpriority(os.PRIO_PROCESS, 0) + _NICE)

@@ -1,0 +1,49 @@
+"""How a body's form changes: areas of chambers, limbs, and how few of its cells do the moving."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import ndimage
+
+_PIXEL = 0.1  # m, of the raster in which limbs are found
+_REACH = 0.6  # m around a cell's centre that belong to the body
+_CORNER = 0.3  # m by which a cell's centre must stick out: those of corners do, too, but less
+
+
+def chamber_areas(position, chambers) -> np.ndarray:
+    """(T, C) m^2.  Args: position (T, N, 2) m; chambers: C arrays of cells, counter-clockwise."""
+    areas = np.empty((len(position), len(chambers)))
+    for k, chamber in enumerate(chambers):
+        x, y = np.moveaxis(position[:, chamber], -1, 0)
+        areas[:, k] = 0.5 * (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
+    return areas
+
+
+def share_of_cells(power) -> float:
+    """The share of the cells over which a power (N,) is spread: 1 where all have alike, 1 / N where one has all."""
+    total = power.sum()
+    return float(total**2 / (len(power) * (power**2).sum())) if total > 0 else 0.0
+
+
+def synchrony(wave) -> float:
+    """1 where all beat together, about 0 where every phase occurs.  Args: wave (K,) complex."""
+    total = np.abs(wave).sum()
+    return float(abs(wave.sum()) / total) if total > 0 else 0.0
+
+
+def limbs(shape, thickness: float) -> np.ndarray:
+    """(N,) whether a cell lies in a part that sticks out: one thinner than `thickness`, m, of a body that has thicker parts.
+
+    It is what an opening of the body by a disc takes away.  Args: shape (N, 2) m.
+    """
+    low = shape.min(axis=0) - thickness
+    size = np.ceil((np.ptp(shape, axis=0) + 2 * thickness) / _PIXEL).astype(int) + 1
+    grid = low[:, None, None] + _PIXEL * np.indices(size)
+    near = (((grid[:, None] - shape.T[:, :, None, None]) ** 2).sum(axis=0) <= _REACH**2).any(axis=0)
+    inside = ndimage.distance_transform_edt(ndimage.binary_fill_holes(near)) * _PIXEL
+    core = inside >= thickness / 2
+    if not core.any():
+        return np.zeros(len(shape), bool)
+    away = ndimage.distance_transform_edt(~core) * _PIXEL
+    at = np.rint((shape - low) / _PIXEL).astype(int)
+    return away[at[:, 0], at[:, 1]] > thickness / 2 + _CORNER
