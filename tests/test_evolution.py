@@ -106,13 +106,15 @@ def test_a_wrong_number_of_evaluations_is_refused():
 
 def test_a_run_begins_from_given_genomes_their_mutants_and_random_ones():
     given = [random_genome(np.random.default_rng(k), 3) for k in (1, 2)]
-    asked = [Evolution(Settings(population=20, start_share=0.5), 7, given).ask() for _ in range(2)]
-    assert asked[0] == asked[1] and asked[0][:2] == given
-    sizes = [abs(len(genome) - len(given[k % 2])) for k, genome in enumerate(asked[0][:10])]
-    assert max(sizes) < 20 < min(len(genome) for genome in asked[0][10:]) and len(set(asked[0])) == len(asked[0])
+    moved = Settings(population=20, start_share=0.5, point_mutation=1.0)  # so that no mutant is its parent
+    asked, again = (Evolution(moved, 7, given).ask() for _ in range(2))
+    assert asked == again and len(asked) == 20 and asked[:2] == given
+    # Mutants differ from their parents by a run of a few elements at the most, and are as far from random ones of 20 units.
+    assert all(abs(len(genome) - len(given[k % 2])) < 20 for k, genome in enumerate(asked[:10]))
+    assert min(len(genome) for genome in asked[10:]) > 20 + max(map(len, given))
     for share, kept in ((0.0, 2), (1.0, 20)):
-        asked = Evolution(Settings(population=20, start_share=share, units=50), 7, given).ask()
-        assert sum(len(genome) < 60 for genome in asked) == min(kept, len(asked))
+        asked = Evolution(Settings(population=20, start_share=share, point_mutation=1.0), 7, given).ask()
+        assert sum(len(genome) < 20 + max(map(len, given)) for genome in asked) == kept
     assert Evolution(Settings(population=20), 7).ask() == Evolution(Settings(population=20), 7, ()).ask()
 
 
