@@ -186,7 +186,7 @@ def test_a_live_animat_follows_the_last_good_target_whatever_else_comes():
             asked = states[-1].step
             operator.until(lambda: states[-1].step > asked + 5)
         assert "instead" in operator.call(Load, f"{namespace}/load", **request).message  # and the target stays
-        operator.until(lambda: states[-1].step == 30)
+        operator.until(lambda: 30 <= states[-1].step < asked)
         process.terminate()
         _, stderr = process.communicate(timeout=DEADLINE)
     second = [k for k in range(1, len(states)) if states[k].step < states[k - 1].step][0]
@@ -197,7 +197,7 @@ def test_a_live_animat_follows_the_last_good_target_whatever_else_comes():
         if step in seen:
             assert np.array_equal(np.column_stack((seen[step].position_x, seen[step].position_y)), animat.position)
         animat.step()
-    for says in ("(nan, 0.0) ignored", "frame 'moon' ignored", "frame '' ignored", "s ago ignored", "in the future ignored"):
+    for says in ("(nan, 0.0) ignored", "frame 'moon' ignored", "s ago ignored", "in the future ignored"):
         assert says in stderr
 
 

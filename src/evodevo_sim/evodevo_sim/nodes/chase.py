@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import sys
+import threading
 import time
 from contextlib import ExitStack
 from pathlib import Path
@@ -72,19 +73,20 @@ def _parse(arguments):
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
     given = parser.parse_args(without_ros(parser, arguments))
     for name, value, least, most in (
-        ("--each", given.each, 1e-3, 1e6), ("--capture", given.capture, 1e-3, 1e6), ("--count", given.count or 1, 1, 10**9),
+        ("--each", given.each, 1e-3, 1e6), ("--capture", given.capture, 1e-3, 1e6), ("--count", 1 if given.count is None else given.count, 1, 10**9),
         ("--real-time-factor", given.real_time_factor, 0.0, 1e6), ("--seed", given.seed, 0, 2**63),
     ):
-        if not least <= value <= most or given.count == 0:
-            parser.error(f"{name} is {value if given.count != 0 else 0}: give {least:g} to {most:g}")
+        if not least <= value <= most:
+            parser.error(f"{name} is {value}: give {least:g} to {most:g}")
     return parser, given
 
 
 def main(arguments: list[str] | None = None) -> int:
     arguments = sys.argv[1:] if arguments is None else arguments
     parser, given = _parse(arguments)
+    stop = threading.Event()  # looked at between messages: an exception could come in the middle of a write
     for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, signal.default_int_handler)
+        signal.signal(number, lambda *_: stop.set())
     stay_on_this_host()
     try:
         champion = champion_of(given.source, pairs(given.set), "chemotaxis")
@@ -96,15 +98,13 @@ def main(arguments: list[str] | None = None) -> int:
             recorder = stack.enter_context(Recorder(given.out)) if given.out else None
             rclpy.init(args=[parser.prog, *arguments], signal_handler_options=SignalHandlerOptions.NO)
             stack.callback(rclpy.try_shutdown)
-            return Chase(given, champion, targets, recorder, view).run(stack)
+            return Chase(given, champion, targets, recorder, view, stop).run(stack)
     except (GenomeError, OutputError, ParameterError, RecordingError) as error:
         print(f"{parser.prog}: {error}", file=sys.stderr)
         return 2
     except ChaseError as error:
         print(f"{parser.prog}: {error}", file=sys.stderr)
         return 1
-    except KeyboardInterrupt:
-        return 130
 
 
 def _targets(given):
@@ -134,8 +134,9 @@ class Chase:
     Attributes: sent, captured: numbers of targets; closest: m, the least distance to each; states: how many came.
     """
 
-    def __init__(self, given, champion: Champion, targets, recorder, view):
+    def __init__(self, given, champion: Champion, targets, recorder, view, stop):
         self.given, self.champion, self.targets, self.recorder, self.view = given, champion, targets, recorder, view
+        self.stop = stop
         self.sent = self.captured = self.states = 0
         self.most = given.count or (10 if given.targets == "random" else None)
         self.closest: list[float] = []
@@ -165,21 +166,21 @@ class Chase:
         with tqdm(total=self.most, unit="target", disable=self.given.quiet, leave=False) as self._bar:
             answer = loader.call_async(request)
             self._wait(executor, answer.done, own, "the simulator does not answer")
-            if not answer.result().success:
+            if answer.done() and not answer.result().success:
                 raise ParameterError(f"{self.given.source}: {answer.result().message}")
             heard, last = -1, time.monotonic()
-            while not self.ended:
+            while not (self.ended or self.stop.is_set()):
                 executor.spin_once(timeout_sec=0.1)
                 if self.states != heard:
                     heard, last = self.states, time.monotonic()
                 elif time.monotonic() - last > _SILENCE or (own and not own.alive()):
                     raise ChaseError(f"the simulator fell silent after {self.states} cell states, its animat failed or it ended")
         self._report()
-        return 0
+        return 130 if self.stop.is_set() else 0
 
     def _wait(self, executor, ready, own, otherwise: str) -> None:
         deadline = time.monotonic() + (_START if own else _ANSWER)
-        while not ready():
+        while not ready() and not self.stop.is_set():
             executor.spin_once(timeout_sec=0.05)
             if own and not own.alive():
                 raise ChaseError("the simulator ended at once: run `ros2 run evodevo_sim simulator` to see why")
