@@ -112,8 +112,8 @@ class Chemotaxis(Checked):
     distance: float = parameter(12.0, 1e-3, 1e6, "m", "of the targets from the centre of mass at birth")
     angle: float = parameter(math.pi / 2, 0.0, math.pi, "rad", "of the targets from the way that it swims without one, to either side")
     least_distance: float = parameter(1.0, 0.0, 1e6, "m", "to swim without a target, before it is tested with targets")
-    turning_weight: float = parameter(1.0, 0.0, 1e6, "", "of metres that turning has brought it nearer to both targets")
-    approach_weight: float = parameter(2.0, 0.0, 1e6, "", "of metres that it is nearer to both targets than at birth")
+    turning_weight: float = parameter(4.0, 0.0, 1e6, "", "of metres that turning has brought it nearer to both targets")
+    approach_weight: float = parameter(8.0, 0.0, 1e6, "", "of metres that it is nearer to both targets than at birth")
 
 
 @dataclass(frozen=True)

@@ -64,7 +64,7 @@ def _parse(arguments):
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="of random targets (default %(default)s)")
     parser.add_argument("--each", type=float, default=60.0, metavar="S", help="simulated seconds for each target (default %(default)s)")
     parser.add_argument("--capture", type=float, default=3.0, metavar="M", help="distance that counts as captured (default %(default)s)")
-    parser.add_argument("--real-time-factor", type=float, default=1.0, metavar="X", help="simulated s per s; 0 is as fast as it goes (default %(default)s)")
+    parser.add_argument("--real-time-factor", type=float, default=1.0, metavar="X", help="simulated s per s; 0 is as fast as it goes, when targets may come late (default %(default)s)")
     parser.add_argument("--simulator", metavar="NAMESPACE", help="of a simulator node on the graph (default: one of our own)")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="for a genome: a number of its task")
     parser.add_argument("--out", type=Path, metavar="DIR", help="directory of a recording, made anew")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 from evodevo_msgs import msg
 
 from ..gait.recorded import gait_of_recording
@@ -26,9 +28,11 @@ def headline(recording: Recording, life: Life) -> tuple[str, str]:
         facts.append(f"fitness {recording.champions[-1].evaluation.fitness:.3f}{mark}")
     if len(life.time):
         facts.append(f"{life.position.shape[1]} cells, {len(life.chambers)} chambers")
-        facts.append(f"{life.distance[-1]:.2f} cell diameters in {life.time[-1] - life.time[0]:.1f} s")
-        if len(life.target):
-            facts.append(f"{life.target_distance[-1]:.2f} m from the target")
+        seconds, away = life.time[-1] - life.time[0], life.target_distance[np.isfinite(life.target).all(axis=1)] if len(life.target) else []
+        if len(away):
+            facts.append(f"{away[0]:.1f}, then {away[-1]:.1f} m from the target in {seconds:.1f} s")
+        else:
+            facts.append(f"{life.distance[-1]:.2f} cell diameters in {seconds:.1f} s")
     gait = gait_of_recording(recording, life)
     if gait is not None:
         facts.append(gait.name)
