@@ -14,7 +14,7 @@ import numpy as np
 from evodevo_sim import Task, load_genome, perform
 from evodevo_sim.command_line import pairs
 from evodevo_sim.parameters import with_settings
-from evodevo_sim.physics import SOUND, advance, choose_substeps, make_law, make_scratch, set_rest_lengths
+from evodevo_sim.physics import SOUND, advance, choose_substeps, make_law, make_scratch, set_rest_lengths, substeps_in_drag
 
 
 def coast(performance, task: Task, step: int) -> float:
@@ -25,7 +25,8 @@ def coast(performance, task: Task, step: int) -> float:
     set_rest_lengths(body, performance.activation[step].copy(), rest)
     start, substeps = position.mean(axis=1), choose_substeps(body, law, task.control_step)
     for _ in range(step, task.control_steps):
-        if advance(body, law, rest, position, velocity, task.control_step, substeps, scratch) != SOUND:
+        many = substeps_in_drag(body, law, position, velocity, task.control_step, substeps, scratch)
+        if advance(body, law, rest, position, velocity, task.control_step, many, scratch) != SOUND:
             return np.nan
     return float(np.hypot(*(position.mean(axis=1) - start)))
 

@@ -16,16 +16,19 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from evodevo_ga import Evolution, Settings
-from evodevo_sim import Evaluation, Task, evaluate, random_genome
+from evodevo_sim import Evaluation, Task, evaluate, perform, random_genome
+from evodevo_sim.audit import audit
 from evodevo_sim.command_line import pairs
+from evodevo_sim.gait import analyse, track_of_performance
 from evodevo_sim.parameters import with_settings
 from tqdm import tqdm
 
 CHUNK = 500  # random genomes drawn at a time
 COLUMNS = (
     "search", "seed", "evaluations", "fitness", "distance", "second_half", "slowest", "amplitude", "cells", "chambers", "status",
-    "last_gain", "diversity", "chambered", "oscillating", "seconds",
+    "last_gain", "diversity", "chambered", "oscillating", "seconds", "audit", "gait",
 )
+CURVE = ("seed", "generation", "evaluations", "fitness", "distance", "second_half", "amplitude", "diversity", "seconds")
 
 
 def arguments(parser: argparse.ArgumentParser) -> argparse.Namespace:
@@ -36,13 +39,15 @@ def arguments(parser: argparse.ArgumentParser) -> argparse.Namespace:
     parser.add_argument("--no-random", action="store_true", help="evolution only")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="of the task, or of evolution as settings.NAME")
     parser.add_argument("--csv", metavar="FILE", help="append the rows to a file as well")
+    parser.add_argument("--curves", metavar="FILE", help="append a row for every generation there")
     parser.add_argument("--genomes", metavar="DIR", help="keep champions there, as YAML")
     return parser.parse_args()
 
 
 def evolve(task: Task, settings: Settings, seed: int, pool: ThreadPoolExecutor):
-    """Run evolution.  Returns: (champion, row of the table)."""
+    """Run evolution.  Returns: (champion, row of the table, rows of its curve)."""
     evolution, last_gain, began = Evolution(settings, seed), 0, time.monotonic()
+    curve = []
     chambered = oscillating = 0
     with tqdm(total=settings.generations, desc=f"evolution {seed}", leave=False, mininterval=5.0) as bar:
         while not evolution.finished:
@@ -53,11 +58,17 @@ def evolve(task: Task, settings: Settings, seed: int, pool: ThreadPoolExecutor):
             oscillating += sum(one.metrics.activation_amplitude >= 0.1 for one in found)
             bar.update()
             m = evolution.champion.evaluation.metrics
+            values = (seed, generation.generation, evolution.evaluations, generation.best, m.distance, m.distance_second_half,
+                      m.activation_amplitude, generation.diversity, time.monotonic() - began)
+            curve.append(dict(zip(CURVE, values)))
             bar.set_postfix_str(f"{m.distance_second_half:.2f} m in the second half, amplitude {m.activation_amplitude:.2f}")
     n = evolution.evaluations
     champion = evolution.champion
     about = (last_gain, generation.diversity, chambered / n, oscillating / n, time.monotonic() - began)
-    return champion, row("evolution", seed, n, champion.evaluation, *about)
+    found = audit(champion.genome, task, seed, quick=True)
+    gait = analyse(track_of_performance(perform(champion.genome, task, seed), task)).gait.name if found.runs else "none"
+    about += ("stands" if found.stands else "; ".join(found.faults), gait)
+    return champion, row("evolution", seed, n, champion.evaluation, *about), curve
 
 
 def search_at_random(task: Task, settings: Settings, seed: int, budget: int, pool: ThreadPoolExecutor):
@@ -80,11 +91,11 @@ def search_at_random(task: Task, settings: Settings, seed: int, budget: int, poo
     return row("random: fittest", seed, budget, best, *about), row("random: farthest", seed, budget, longest, *about)
 
 
-def row(search: str, seed: int, evaluations: int, e: Evaluation, last_gain, diversity, chambered, oscillating, seconds) -> dict:
+def row(search: str, seed: int, evaluations: int, e: Evaluation, last_gain, diversity, chambered, oscillating, seconds, verdict="", gait="") -> dict:
     m = e.metrics
     values = (
         search, seed, evaluations, e.fitness, m.distance, m.distance_second_half, m.slowest_window, m.activation_amplitude, m.cells,
-        m.chambers, e.status.name, last_gain, diversity, chambered, oscillating, seconds,
+        m.chambers, e.status.name, last_gain, diversity, chambered, oscillating, seconds, verdict, gait,
     )
     return dict(zip(COLUMNS, values))
 
@@ -128,8 +139,9 @@ def main():
     rows = []
     with ThreadPoolExecutor(options.workers) as pool:
         for seed in range(options.first, options.first + options.seeds):
-            champion, one = evolve(task, settings, seed, pool)
+            champion, one, curve = evolve(task, settings, seed, pool)
             rows.append(one)
+            append(options.curves, options.set, CURVE, curve)
             if options.genomes:
                 from evodevo_sim import save_genome
 
@@ -139,13 +151,19 @@ def main():
                 rows += search_at_random(task, settings, seed, one["evaluations"], pool)
     print(" ".join(options.set) or "defaults")
     print_table(rows)
-    if options.csv:
-        new = not os.path.exists(options.csv)
-        with open(options.csv, "a", newline="") as file:
-            writer = csv.DictWriter(file, ("settings", *COLUMNS))
-            if new:
-                writer.writeheader()
-            writer.writerows({"settings": " ".join(options.set), **one} for one in rows)
+    append(options.csv, options.set, COLUMNS, rows)
+
+
+def append(path: str | None, settings: list[str], columns: tuple[str, ...], rows: list[dict]) -> None:
+    """Add rows to a CSV file, if one was asked for."""
+    if not path:
+        return
+    new = not os.path.exists(path)
+    with open(path, "a", newline="") as file:
+        writer = csv.DictWriter(file, ("settings", *columns))
+        if new:
+            writer.writeheader()
+        writer.writerows({"settings": " ".join(settings), **one} for one in rows)
 
 
 if __name__ == "__main__":

@@ -24,7 +24,7 @@ from evodevo_sim.command_line import pairs
 from evodevo_sim.gabriel import adjacency, gabriel_graph
 from evodevo_sim.life import SETTLE_LIMIT, SETTLE_TOLERANCE, centre_of_mass
 from evodevo_sim.parameters import with_settings
-from evodevo_sim.physics import SOUND, advance, choose_substeps, make_law, make_scratch, set_rest_lengths, settle
+from evodevo_sim.physics import SOUND, advance, choose_substeps, make_law, make_scratch, set_rest_lengths, settle, substeps_in_drag
 from tqdm import tqdm
 
 PERIODS = (10, 15, 20, 30, 40, 50, 60, 80, 100, 130, 170, 220, 300, 400)  # control steps
@@ -60,7 +60,8 @@ def ride(body, material, scene, steps, control_step, gain, phase, period):
         for i in range(cells):
             muscle[i] = gain[i] * np.cos(2.0 * np.pi * (step + 1) / period - phase[i])
         set_rest_lengths(body, muscle, rest)
-        if advance(body, law, rest, position, velocity, control_step, substeps, scratch) != SOUND:
+        many = substeps_in_drag(body, law, position, velocity, control_step, substeps, scratch)
+        if advance(body, law, rest, position, velocity, control_step, many, scratch) != SOUND:
             return np.nan, np.nan
     x, y = centre_of_mass(position, body.inverse_mass)
     return np.hypot(x - x0, y - y0), np.hypot(x - xh, y - yh)

@@ -8,6 +8,7 @@ import time
 
 import pytest
 from evodevo_ga import Evolution, Settings
+from evodevo_ga.arguments import parse
 from evodevo_ga.fleet import find_simulators
 from evodevo_ga.in_process import evaluate_all
 from evodevo_sim import Task, evaluate, load_genome
@@ -184,6 +185,7 @@ def test_a_killed_run_leaves_no_simulators_and_its_champion(tmp_path):
 @pytest.mark.parametrize(
     "arguments, says",
     [
+        (["--preset", "treacle"], "preset 'treacle' is unknown: choose one of low_drag, high_drag"),
         (["--task", "fly"], "task 'fly' is unknown: choose one of swim"),
         (["--population", "1"], "settings.population is 1"),
         (["--population", "many"], "--population"),
@@ -222,3 +224,8 @@ def test_help_teaches(tmp_path):
     assert code == 0
     for word in ("--generations", "--set", "ros2 run evodevo_ga evolve", "replay", "champion.yaml"):
         assert word in stdout
+
+
+def test_a_preset_sets_its_numbers_and_single_settings_go_over_it():
+    options = parse(["--preset", "high_drag", "--set", "scene.drag_tangential=3"])
+    assert (options.task.scene.drag_normal, options.task.scene.drag_tangential) == (400.0, 3.0)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from evodevo_sim import Development, Status, Task, evaluate
 from evodevo_sim.swim import Swim
-from evodevo_sim.swim_task import score
+from evodevo_sim.swim_task import score, slowest_progress
 from genomes import dividing, ring
 
 TASK = Task(control_steps=400, development=Development(max_cells=12))
@@ -20,6 +20,16 @@ def test_a_network_at_rest_earns_nothing():
     found = evaluate(dividing(), TASK)
     assert found.metrics.cells == 12 and found.metrics.activation_amplitude == 0.0
     assert found.fitness == 0.0
+
+
+def test_progress_counts_on_the_way_from_start_to_end_alone():
+    turn = np.linspace(0.0, 2 * np.pi, 5)
+    circle = np.stack((np.cos(turn), np.sin(turn)), axis=1)
+    for path, slowest in (
+        (circle, 0.0), (circle[[0, 1, 0, 1, 2]], 0.0), (np.zeros((5, 2)), 0.0),
+        (np.array([[0.0, 0.0], [3.0, 4.0], [6.0, 8.0], [7.0, 9.0], [9.0, 12.0]]), 1.4),
+    ):
+        assert slowest_progress(path) == pytest.approx(slowest, abs=1e-12)
 
 
 def test_the_slowest_window_counts_and_only_as_far_as_muscles_work():

@@ -69,7 +69,8 @@ def test_a_recorded_gait_is_read_again_and_an_older_run_has_one_too(run):
     found = gait_of_recording(old, life_of(old))
     assert found.name == gait.name and found.frequency == pytest.approx(gait.frequency, rel=1e-6)
     assert found.muscle_work == pytest.approx(gait.muscle_work, rel=1e-9)
-    assert gait.name in headline(recording, life_of(recording))[1] and f"**Gait:** {gait.name}" in markdown(recording, life_of(recording))
+    life = life_of(recording)
+    assert gait.name in headline(recording, life)[1] and f"**Gait:** {gait.name}" in markdown(recording, life)
 
 
 def test_a_gait_passes_through_its_message():

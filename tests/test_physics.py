@@ -214,7 +214,7 @@ def test_the_frequency_bound_is_an_upper_and_a_close_one(seed, cells, pressure):
     true, bound = highest_frequency(body, law), frequency_bound(body, law)
     assert true * (1 - 1e-6) <= bound <= 1.6 * true
     substeps = choose_substeps(body, law, 1 / 60)
-    assert bound / 60 / substeps <= ACCURATE_RK4 < 2.785  # RK4 is stable up to there
+    assert bound / 60 / substeps <= ACCURATE_RK4 < 2.61  # RK4 is stable up to there
 
 
 def outcome_of(body, state, law=LAW, control_step=1 / 60, substeps=1):

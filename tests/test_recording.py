@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 import recordings
 import yaml
-from evodevo_msgs.msg import GenerationStatistics
+from evodevo_msgs.msg import CellStates, GenerationStatistics
 from evodevo_sim.messages import cell_states_message
-from evodevo_sim.recording import Recorder, RecordingError, read_recording, record_performance
+from evodevo_sim.recording import Recorder, RecordingError, read_recording, record_performance, writer
+from evodevo_sim.recording.definitions import definition
 from std_msgs.msg import String
 
 DEADLINE = 60.0
@@ -235,6 +236,13 @@ def test_a_topic_of_ours_with_another_type_is_refused(tmp_path):
         recorder.write("cell_states", String(data="an older definition"), 1)
     with pytest.raises(RecordingError, match="other message types: replay it with the version that made it"):
         read_recording(tmp_path / "old")
+
+
+def test_other_comments_make_no_other_type(tmp_path, monkeypatch):
+    monkeypatch.setattr(writer, "definition", lambda name: "# of an older version\n" + definition(name).replace("#", "# so "))
+    with Recorder(tmp_path / "old") as recorder:
+        recorder.write("cell_states", CellStates(step=7), 1)
+    assert read_recording(tmp_path / "old").states[0].step == 7
 
 
 # --- a writer that is killed ---------------------------------------------------------------------------------------------

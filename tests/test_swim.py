@@ -5,11 +5,11 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from bodies import LAW, accelerations_of
+from bodies import LAW, accelerations_of, body_of
 from evodevo_sim import Development, Scene, Task, evaluate, perform
 from evodevo_sim.life import SETTLE_TOLERANCE, birth, develop
 from evodevo_sim.outcome import Status
-from evodevo_sim.physics import SOUND, advance, set_rest_lengths
+from evodevo_sim.physics import make_scratch, set_rest_lengths, substeps_in_drag
 from evodevo_sim.swim_task import kernel_arguments
 from genomes import beating, dividing, first_viable, hand_made
 
@@ -106,15 +106,25 @@ def test_without_drag_no_swimmer_gets_anywhere(scene):
         assert evaluation.metrics.distance < 1e-9
 
 
-def test_cells_stay_within_half_a_percent_of_a_diameter_of_a_run_with_eight_times_finer_steps():
+def test_cells_stay_within_half_a_percent_of_a_diameter_of_a_run_with_sixteen_times_finer_steps():
     """One thousand control steps; the muscles are those of the network, and do not depend on the physics."""
-    genome, _, development, continual, material, scene, given = kernel_arguments(beating(), Task())
-    steps, control_step = 1000, Task().control_step
-    performance = perform(beating(), Task(control_steps=steps))
-    _, life = birth(genome, development, continual, material, scene, given, control_step, 8)
-    position, velocity = life.position.copy(), life.velocity.copy()
-    for activation in performance.activation[1:]:
-        set_rest_lengths(life.body, np.ascontiguousarray(activation), life.rest)
-        assert advance(life.body, life.law, life.rest, position, velocity, control_step, life.substeps, life.scratch) == SOUND
-    error = performance.position[-1] - position.T
-    assert np.sqrt((error**2).sum(axis=1).mean()) < 5e-3
+    task = Task(control_steps=1000)
+    coarse, fine = perform(beating(), task), perform(beating(), task, finer=16)
+    error = coarse.position[-1] - fine.position[-1]
+    assert 0 < np.sqrt((error**2).sum(axis=1).mean()) < 5e-3
+
+
+def test_fast_drag_takes_more_substeps_and_a_scene_without_drag_none():
+    """Each edge of a cell adds d l |v_n| / m: at its foot a triangle that falls at 0.5 m/s feels d x (0.5 + 0.25) / s."""
+    body = body_of([(0.0, 0.0), (1.0, 0.0), (0.5, 0.9)])
+    for drag, expected in ((0.0, 1), (100.0, 1), (1000.0, 8)):
+        law = LAW._replace(drag_normal=drag, drag_tangential=0.0)
+        velocity = np.array([[0.0, 0.0, 0.0], [-0.5, -0.5, -0.5]])
+        many = substeps_in_drag(body, law, body.position.T.copy(), velocity, 1 / 60, 1, make_scratch(body))
+        assert many == expected
+
+
+@pytest.mark.parametrize("drag", [100.0, 1000.0, 10_000.0])
+def test_strong_drag_ends_no_life(drag):
+    evaluation = evaluate(beating(), dataclasses.replace(TASK, scene=Scene(drag_normal=drag, drag_tangential=drag / 200)))
+    assert evaluation.status == Status.OK

@@ -10,7 +10,7 @@ from pathlib import Path
 from evodevo_sim import Genome, GenomeError, ParameterError, Task, load_genome
 from evodevo_sim.command_line import Parser, pairs
 from evodevo_sim.nodes.common import without_ros
-from evodevo_sim.parameters import TASKS, default_task, with_settings
+from evodevo_sim.parameters import PRESETS, TASKS, default_task, preset, with_settings
 
 from .evolution import Settings
 
@@ -20,8 +20,10 @@ examples:
       a swimmer of up to 32 cells in one to three minutes on two cores
   ros2 run evodevo_ga evolve --generations 2000 --cells 64 --seed 7 --out bags/long
       a long run; Ctrl-C ends it at any time and keeps all that was done
-  ros2 run evodevo_ga evolve --set scene.drag_normal=40 --set scene.drag_tangential=0.2
-      in a thinner fluid; any number of the model can be set so (docs/model.md lists them)
+  ros2 run evodevo_ga evolve --preset high_drag
+      in a thick fluid
+  ros2 run evodevo_ga evolve --set scene.drag_normal=10 --set scene.drag_tangential=0.05
+      any number of the model can be set so (docs/model.md lists them)
 
   ros2 run evodevo_ga evolve --task chemotaxis --start bags/long
       begins from swimmers: half of the first population is the champion of a run and its mutants
@@ -68,10 +70,12 @@ def parse(arguments: list[str]) -> Options:
             f"--{field.name.replace('_', '-')}", type=type(field.default), metavar="N" if isinstance(field.default, int) else "X",
             help=f"{field.metadata['meaning']} (default {_defaults(field)})",
         )
+    parser.add_argument("--preset", metavar="NAME", help=f"a named set of numbers of the model: {', '.join(PRESETS)}")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="set a number of the model, e.g. material.stiffness=300")
     given = parser.parse_args(without_ros(parser, arguments))
     try:
-        task = with_settings(default_task(given.task), {"development.max_cells": given.cells, **pairs(given.set)})
+        named = preset(given.preset) if given.preset else {}
+        task = with_settings(default_task(given.task), {"development.max_cells": given.cells, **named, **pairs(given.set)})
         chosen = {field.name: getattr(given, field.name) for field in dataclasses.fields(Settings)}
         settings = Settings(**_OF_TASK.get(task.name, {}) | {name: value for name, value in chosen.items() if value is not None})
         start = tuple(load_genome(_genome_file(Path(name))) for name in given.start)

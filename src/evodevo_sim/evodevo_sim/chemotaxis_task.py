@@ -6,10 +6,10 @@ import numpy as np
 
 from .chemotaxis import SAMPLES, Trials, trials
 from .genome import Genome
-from .outcome import FAILURE, Evaluation, Metrics, Status, Steering, failure
+from .outcome import FAILURE, STIFF, Evaluation, Metrics, Status, Steering, failure
 from .parameters import Task
 from .scent import make_signals
-from .swim_task import kernel_arguments
+from .swim_task import kernel_arguments, slowest_progress
 
 LEFT, RIGHT = range(2)
 _NOT_KEPT = np.empty((0, 0, 0)), np.empty((0, 0))
@@ -58,29 +58,24 @@ def approach(path, target, heading, angle: float) -> tuple[float, float, float]:
     return float(distance.mean()), float((ahead - distance).mean()), float(turn if angle >= 0.0 else -turn)
 
 
-def slowest_progress(path, heading, windows: int) -> float:
-    """The least way, m, along the heading in one of the windows: a circle makes none."""
-    return float((np.diff(path[:: (len(path) - 1) // windows], axis=0) @ np.array(heading)).min())
-
-
 def score(result: Trials, task: Task) -> Evaluation:
     """What pays: sustained forward motion; then, for the worse of both sides, muscles that work in scent, turning and nearing."""
     status, path, c = Status(result.status), result.path, task.chemotaxis
     sizes = {"cells": result.cells, "springs": result.springs, "chambers": result.chambers, "substeps": result.substeps}
     if status in FAILURE:
-        return failure(status, Metrics(**sizes), result.failed_step)
+        stiff = status == Status.UNSTABLE and result.failed_step < 0
+        return failure(status, Metrics(**sizes), result.failed_step, STIFF if stiff else "")
     steering = _steering(result, task) if result.tested else Steering()
     ends = path[:: SAMPLES]
     metrics = Metrics(
         **sizes,
         distance=float(np.hypot(*(path[-1] - path[0]))),
         distance_second_half=float(np.hypot(*(path[-1] - ends[task.windows // 2]))),
-        slowest_window=float(np.hypot(*np.diff(ends, axis=0).T).min()),
+        slowest_window=slowest_progress(ends),
         activation_amplitude=result.amplitude,
         steering=steering,
     )
-    forward = max(0.0, slowest_progress(path, result.heading, task.windows))
-    paid = task.windows * forward + task.activity_bonus
+    paid = task.windows * metrics.slowest_window + task.activity_bonus
     if result.tested:
         s = steering
         paid += task.activity_bonus * min(s.left_active, s.right_active)

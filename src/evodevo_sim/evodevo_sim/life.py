@@ -13,20 +13,20 @@ import numpy as np
 from ._jit import kernel, lean
 from .body import build_body
 from .development import diffuse, grow, remember
-from .physics import accelerations, choose_substeps, make_law, make_scratch, set_rest_lengths, settle
+from .physics import MOST_SUBSTEPS, accelerations, choose_substeps, make_law, make_scratch, set_rest_lengths, settle
 from .regulation import CONTRACTION, EXPANSION, exchange, express, prune, regulate
 
 OK, NO_GROWTH, NO_CHAMBER, RESTING, UNSTABLE_PHYSICS, INVERTED_CHAMBER = range(6)
 SETTLE_TOLERANCE = 1e-3  # m/s^2
 SETTLE_LIMIT = 2000
-MOST_SUBSTEPS = 1000  # of physics in a control step; a body that needs more would keep everybody waiting for hours
 _STILL = 1e-7  # m/s and m/s^2 below which a body rests
 
 # A living animat.  Changed by `live`: position, velocity (2, N), muscle (N,) of e - c, table, past; the rest is scratch
-# or stays.  born: regulation steps of growth; start, neighbour: the graph; substeps: 0 where there is no body to move.
+# or stays.  born: regulation steps of growth; start, neighbour: the graph; substeps: at rest, 0 where there is no body to move;
+# finer: times as many, for an audit.
 Life = namedtuple(
     "Life",
-    "body law network units table past delay start neighbour born drive share muscle rest position velocity scratch substeps",
+    "body law network units table past delay start neighbour born drive share muscle rest position velocity scratch substeps finer",
 )
 
 
@@ -88,7 +88,7 @@ def birth(genome, development, continual, material, scene, given_inputs, control
         body, law, network, units, embryo.table, past, embryo.delay, embryo.start, embryo.neighbour, embryo.steps,
         np.empty((network.nodes.size, cells)), np.empty((cells, 4)), np.empty(cells), np.empty(body.rest_length.size),
         body.position.T.copy(), np.zeros((2, cells)), make_scratch(body),
-        finer * substeps,
+        substeps, finer,
     )
     if status == OK:
         for i in range(cells):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntEnum
 
-from .life import MOST_SUBSTEPS
+from .physics import MOST_SUBSTEPS
 
 
 class Status(IntEnum):

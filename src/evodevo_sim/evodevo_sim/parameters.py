@@ -152,6 +152,20 @@ _OF_TASK: dict[str, dict[str, object]] = {"swim": {}, "chemotaxis": {}}
 TASKS = tuple(_OF_TASK)
 
 
+# Named sets of settings, for any task that has drag.
+PRESETS: dict[str, dict[str, object]] = {
+    "low_drag": {"scene.drag_normal": 10.0, "scene.drag_tangential": 0.05},
+    "high_drag": {"scene.drag_normal": 400.0, "scene.drag_tangential": 2.0},
+}
+
+
+def preset(name: str) -> dict[str, object]:
+    """The settings of a preset, for `with_settings`.  Raises ParameterError where there is none of that name."""
+    if name not in PRESETS:
+        raise ParameterError(f"preset {name!r} is unknown: choose one of {', '.join(PRESETS)}")
+    return PRESETS[name]
+
+
 def default_task(name: str) -> Task:
     """The task of a name with its own defaults.  Raises ParameterError where there is none."""
     return with_settings(Task(), {"name": name, **_OF_TASK.get(name, {})})

@@ -13,9 +13,11 @@ import numpy as np
 from ._jit import kernel, lean
 
 SOUND, UNSTABLE, INVERTED = range(3)
-# h * (bound of the highest frequency).  RK4 is stable to 2.83 without damping, but damping and drag take their share: at 1.43
-# champions that lived on integration errors swam 1.4 times as far as with finer steps, which agree from 1.1 on (docs/model.md).
-ACCURATE_RK4 = 1.1
+# RK4 is stable to h * rate = 2.6 and more.  Its errors are small to 1.5 in the body's own frequency and damping, at rest, and to 1.6
+# in the rate of drag, which grows with speed and would be most of the error of fast swimmers (docs/model.md).
+ACCURATE_RK4 = 1.5
+ACCURATE_DRAG = 1.6
+MOST_SUBSTEPS = 1000  # in a control step; a body that needs more would keep everybody waiting for hours
 MOST_DOUBLINGS = 3
 _FASTEST = 0.5  # of the shortest rest length, that a cell may move in a substep
 _SHORTEST = 0.05  # of its rest length, that a spring may shrink to
@@ -183,9 +185,49 @@ def _gradient(corner, k, size, position):
 
 
 @kernel
+def damping_bound(body, law):
+    """An upper bound of the strongest damping by springs, 1/s, at rest."""
+    return frequency_bound(body, Law(law.damping, 0.0, 0.0, 0.0, 0.0)) ** 2
+
+
+@kernel
 def choose_substeps(body, law, control_step):
-    """Substeps of RK4 in a control step, from the frequency bound of the body."""
-    return max(1, int(np.ceil(control_step * frequency_bound(body, law) / ACCURATE_RK4)))
+    """Substeps of RK4 in a control step that a body takes at rest, by its bounds of frequency and damping."""
+    fastest = max(frequency_bound(body, law), damping_bound(body, law))
+    return max(1, int(np.ceil(min(control_step * fastest / ACCURATE_RK4, 1e9))))
+
+
+@lean
+def drag_rate(body, law, position, velocity, rate):
+    """An upper bound of the damping by drag at this velocity, 1/s: d l |v|, over the edges of a cell, over its mass.
+
+    Args: rate (N,): scratch.
+    """
+    outline, start, end = body.outline_spring, body.spring_a, body.spring_b
+    x, y, u, v = position[0], position[1], velocity[0], velocity[1]
+    for i in range(x.size):
+        rate[i] = 0.0
+    for m in range(outline.size):
+        i, j = start[outline[m]], end[outline[m]]
+        dx, dy, ue, ve = x[j] - x[i], y[j] - y[i], 0.5 * (u[i] + u[j]), 0.5 * (v[i] + v[j])
+        force = law.drag_tangential * abs(ue * dx + ve * dy) + law.drag_normal * abs(ve * dx - ue * dy)
+        rate[i] += force
+        rate[j] += force
+    most = 0.0
+    for i in range(x.size):
+        most = max(most, rate[i] * body.inverse_mass[i])
+    return most
+
+
+@lean
+def substeps_in_drag(body, law, position, velocity, control_step, substeps, scratch):
+    """Substeps in the next control step, from those at rest and the drag at this velocity."""
+    if law.drag_normal == 0.0 and law.drag_tangential == 0.0:
+        return substeps
+    need = control_step * drag_rate(body, law, position, velocity, scratch.k1[0]) / ACCURATE_DRAG
+    if need > substeps:
+        return int(np.ceil(min(need, MOST_SUBSTEPS)))
+    return substeps
 
 
 @lean

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ._jit import kernel, lean
-from .physics import Law, check, frequency_bound
+from .physics import check, damping_bound, drag_rate, frequency_bound
 
 INTEGRATORS = ("euler", "verlet", "rk4", "adaptive")
 EULER, VERLET, RK4, ADAPTIVE = range(4)
@@ -24,28 +24,7 @@ _LEAST = (4, 4, 1)  # steps an interval, for accuracy where the body is soft
 @kernel
 def bounds(system):
     """Upper bounds of the highest frequency, rad/s, and of the strongest damping by springs, 1/s, at rest."""
-    law = system.law
-    strongest = frequency_bound(system.body, Law(law.damping, 0.0, 0.0, 0.0, 0.0)) ** 2
-    return frequency_bound(system.body, law), strongest
-
-
-@kernel
-def drag_rate(system, position, velocity):
-    """An upper bound of the damping by drag at this velocity, 1/s: d l |v|, over the edges of a cell, over its mass."""
-    law, outline = system.law, system.body.outline
-    if law.drag_normal == 0.0 and law.drag_tangential == 0.0:
-        return 0.0
-    x, y, u, v = position[0], position[1], velocity[0], velocity[1]
-    rate = np.zeros(x.size)
-    most = 0.0
-    for m in range(outline.shape[0]):
-        i, j = outline[m, 0], outline[m, 1]
-        dx, dy, ue, ve = x[j] - x[i], y[j] - y[i], 0.5 * (u[i] + u[j]), 0.5 * (v[i] + v[j])
-        force = law.drag_tangential * abs(ue * dx + ve * dy) + law.drag_normal * abs(ve * dx - ue * dy)
-        for c in (i, j):
-            rate[c] += force * system.body.inverse_mass[c]
-            most = max(most, rate[c])
-    return most
+    return frequency_bound(system.body, system.law), damping_bound(system.body, system.law)
 
 
 @lean
@@ -65,7 +44,7 @@ def choose_steps(system, method, bound, position, velocity, seconds):
 
     Args: bound: of `bounds`.
     """
-    drag = drag_rate(system, position, velocity)
+    drag = drag_rate(system.body, system.law, position, velocity, np.empty(position.shape[1]))
     need = seconds / (_SAFETY * longest_step(method, bound[0], bound[1] + drag))
     need = max(need, seconds * drag / _DRAG_LIMIT)
     for i in range(system.frequency.size):

@@ -13,7 +13,7 @@ import numpy as np
 from ._jit import kernel, lean
 from .development import REST
 from .life import INVERTED_CHAMBER, OK, RESTING, UNSTABLE_PHYSICS, birth, centre_of_mass, keep, rests, think
-from .physics import INVERTED, SOUND, advance
+from .physics import INVERTED, SOUND, advance, substeps_in_drag
 from .regulation import unrest
 from .scent import disturb, sense
 
@@ -46,7 +46,8 @@ def live(life, step, until, seconds, development, continual, signals, range_of_m
         think(life, step, development, continual)
         if signals.noise.size:
             disturb(life, signals, step)
-        outcome = advance(body, law, rest, position, velocity, seconds, life.substeps, scratch)
+        substeps = life.finer * substeps_in_drag(body, law, position, velocity, seconds, life.substeps, scratch)
+        outcome = advance(body, law, rest, position, velocity, seconds, substeps, scratch)
         if outcome != SOUND:
             return (INVERTED_CHAMBER if outcome == INVERTED else UNSTABLE_PHYSICS), step
         step += 1

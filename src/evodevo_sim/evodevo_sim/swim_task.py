@@ -30,6 +30,13 @@ def run(genome: Genome, task: Task, seed: int, finer: int, track, traces) -> Eva
     return score(swim(*kernel_arguments(genome, task), finer, signals, track, traces), task)
 
 
+def slowest_progress(path: np.ndarray) -> float:
+    """The least progress of any window on the way from start to end, m, at least 0: who circles gets nowhere.  Args: path (W + 1, 2)."""
+    way = path[-1] - path[0]
+    length = float(np.hypot(*way))
+    return max(0.0, float((np.diff(path, axis=0) @ way).min()) / length) if length > 0.0 else 0.0
+
+
 def score(result, task: Task) -> Evaluation:
     status = Status(result.status)
     path = result.path
@@ -41,7 +48,7 @@ def score(result, task: Task) -> Evaluation:
         substeps=result.substeps,
         distance=0.0 if failed else float(np.hypot(*(path[-1] - path[0]))),
         distance_second_half=0.0 if failed else float(np.hypot(*(path[-1] - path[task.windows // 2]))),
-        slowest_window=0.0 if failed else float(np.hypot(*np.diff(path, axis=0).T).min()),
+        slowest_window=0.0 if failed else slowest_progress(path),
         activation_amplitude=0.0 if failed else result.amplitude,
     )
     if failed:

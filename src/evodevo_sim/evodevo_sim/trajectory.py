@@ -8,7 +8,7 @@ from ._jit import kernel, lean
 from .energy import least_chamber, stored_energy
 from .integrators import carry, carry_adaptively
 from .life import centre_of_mass
-from .physics import SOUND, UNSTABLE, _copy, set_rest_lengths
+from .physics import SOUND, UNSTABLE, _copy, set_rest_lengths, substeps_in_drag
 from .stability import ADAPTIVE, RK4, choose_steps, is_sound
 
 DOUBLINGS = 3  # of the steps of a frame that came out unsound
@@ -71,10 +71,10 @@ def follow(system, method, bound, steps, finer, tolerance, h, time, first, last,
 
 
 @kernel
-def repeat(system, method, steps, tolerance, control_step, activation, position, velocity, work, ledger, path):
+def repeat(system, method, steps, finer, tolerance, control_step, activation, position, velocity, work, ledger, path):
     """Move a body by the muscles of a life, in place.
 
-    Args: activation (T + 1, N) of e - c, whose row k + 1 holds during control step k; ledger: (4,), added to, or empty; path
+    Args: steps: at rest, as evaluations take them; finer: times as many; activation (T + 1, N) of e - c, whose row k + 1 holds during control step k; ledger: (4,), added to, or empty; path
     (windows + 1, 2): filled.
 
     Returns: (outcome; gain of stored energy, J; least S / S0 of any chamber after any control step).
@@ -97,7 +97,8 @@ def repeat(system, method, steps, tolerance, control_step, activation, position,
             if outcome == SOUND:
                 outcome = is_sound(system, position, velocity, 0.0, work)
         else:
-            outcome, _ = carry_soundly(system, method, 0.0, control_step, steps, DOUBLINGS, position, velocity, work, ledger)
+            many = finer * substeps_in_drag(body, law, position, velocity, control_step, steps, work.scratch)
+            outcome, _ = carry_soundly(system, method, 0.0, control_step, many, DOUBLINGS, position, velocity, work, ledger)
         if outcome != SOUND:
             return outcome, np.nan, least
         least = min(least, least_chamber(body, position)[0])

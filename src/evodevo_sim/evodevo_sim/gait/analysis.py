@@ -28,8 +28,9 @@ class Gait:
     muscles is spread.  limb_lead: power of sway of a limb's cell relative to one of the body; limb_power: share of all limbs.
     length, width: m, along and across.  long_axis: rad, from the way to the body's long axis.
     speed: m/s along its own heading; travel: m between begin and end; turning: rad/s; stroke: m per period.
-    muscle_work, drag_work, damping_work, ground_work: J done on the body.  cost_of_transport: J/(kg m), muscle work per mass and travel.
-    flight: share of the time; flights: 1/s; feet; duty: mean share of the time for which a foot stands; support: correlation of
+    muscle_work, drag_work, damping_work, ground_work: J done on the body.  cost_of_transport: J/(kg m), muscle work per mass
+    and travel.
+    flight: share of the time; flights: 1/s; feet; duty: mean share of the time for which a foot stands; support: association of
     the end feet's contact; mass_shift: m.
     """
 

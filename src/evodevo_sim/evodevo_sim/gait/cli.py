@@ -49,7 +49,9 @@ def main(arguments: list[str] | None = None) -> int:
             if path:
                 files.check(path, ending)
         analysis = analyse(_track(given))
-        Console(highlight=False).print(gait_table(analysis.gait))
+        gait, console = analysis.gait, Console(highlight=False)
+        console.print(f"{gait.name}: {gait.why}", style="bold", soft_wrap=True)
+        console.print(gait_table(gait))
         if given.csv:
             with files.whole(given.csv, ".csv") as file:
                 write_cells(file, analysis)

@@ -20,8 +20,8 @@ class Contact:
         feet: arrays of cells, groups that touch the ground and lie apart along it, from the rear to the front in the direction
             of travel; foot_duty (F,): shares of the time for which any cell of a foot touches.
         flight: share of the time in which nothing touches; flights: 1/s, how often that begins.
-        support: correlation of the ground contact of the rearmost and the foremost foot: -1 they alternate, 1 they go
-            together, 0 also where there is one foot or where one never lifts.
+        support: association of the ground contact of the rearmost and the foremost foot: -1 they alternate as far as their
+            duty allows, 1 they go together, 0 also where there is one foot or where one never lifts.
         shift: m, amplitude at the common frequency of the centre of mass along the ground from the middle of what it stands on.
         direction: 1 or -1 along x, of travel.
     """
@@ -54,7 +54,7 @@ def contact_of(track: Track, frequency: float, tolerance: float, least_duty: flo
     starts = np.count_nonzero(airborne[1:] & ~airborne[:-1])
     return Contact(
         touching=touching, duty=duty, feet=feet, foot_duty=down.mean(axis=1), flight=float(airborne.mean()),
-        flights=float(starts / (track.time[-1] - track.time[0])), support=_correlation(down[0], down[-1]) if len(feet) > 1 else 0.0,
+        flights=float(starts / (track.time[-1] - track.time[0])), support=_association(down[0], down[-1]) if len(feet) > 1 else 0.0,
         shift=_shift(track.time, x, centre, touching, frequency), direction=direction,
     )
 
@@ -69,11 +69,12 @@ def _feet(about, touching, duty, least_duty, gap) -> list:
     return np.split(cells[order], np.flatnonzero(np.diff(at[order]) > gap) + 1)
 
 
-def _correlation(a, b) -> float:
-    """Of two signals of 0 and 1; 0 where one of them never changes."""
-    if a.all() or b.all() or not a.any() or not b.any():
-        return 0.0
-    return float(np.corrcoef(a, b)[0, 1])
+def _association(a, b) -> float:
+    """Of two signals of 0 and 1: their covariance, relative to the most that their means allow (Cole's coefficient)."""
+    p, q = a.mean(), b.mean()
+    apart = np.mean(a & b) - p * q
+    most = min(p, q) - p * q if apart > 0 else p * q - max(0.0, p + q - 1)
+    return float(apart / most) if most > 1e-9 else 0.0
 
 
 def _shift(time, x, centre, touching, frequency) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import ndimage
 
-_PIXEL = 0.1  # m, of the raster in which limbs are found
+_PIXEL, _MOST_PIXELS = 0.05, 1000  # m, of the raster in which limbs are found; along a side
 _REACH = 0.6  # m around a cell's centre that belong to the body
 _CORNER = 0.3  # m by which a cell's centre must stick out: those of corners do, too, but less
 
@@ -37,13 +37,14 @@ def limbs(shape, thickness: float) -> np.ndarray:
     It is what an opening of the body by a disc takes away.  Args: shape (N, 2) m.
     """
     low = shape.min(axis=0) - thickness
-    size = np.ceil((np.ptp(shape, axis=0) + 2 * thickness) / _PIXEL).astype(int) + 1
-    grid = low[:, None, None] + _PIXEL * np.indices(size)
-    near = (((grid[:, None] - shape.T[:, :, None, None]) ** 2).sum(axis=0) <= _REACH**2).any(axis=0)
-    inside = ndimage.distance_transform_edt(ndimage.binary_fill_holes(near)) * _PIXEL
+    extent = np.ptp(shape, axis=0) + 2 * thickness
+    pixel = max(_PIXEL, extent.max() / _MOST_PIXELS)
+    at = tuple(np.rint((shape - low) / pixel).astype(int).T)
+    free = np.ones(np.ceil(extent / pixel).astype(int) + 1, bool)
+    free[at] = False
+    near = ndimage.distance_transform_edt(free) * pixel <= _REACH
+    inside = ndimage.distance_transform_edt(ndimage.binary_fill_holes(near)) * pixel
     core = inside >= thickness / 2
     if not core.any():
         return np.zeros(len(shape), bool)
-    away = ndimage.distance_transform_edt(~core) * _PIXEL
-    at = np.rint((shape - low) / _PIXEL).astype(int)
-    return away[at[:, 0], at[:, 1]] > thickness / 2 + _CORNER
+    return ndimage.distance_transform_edt(~core)[at] * pixel > thickness / 2 + _CORNER

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from ..replay.colours import ACCENT, INK, QUIET, SECOND, unit_rgb
 from ..replay.drawing import DIAMETER, bounds, draw_pose, frame, round_length, scale_bar
 from ..replay.life import Pose, contrasting_cells
-from ..replay.picture import STYLE
+from ..replay.picture import STYLE, caption, legend
 from .analysis import Analysis
 from .table import headline
 
@@ -70,7 +70,7 @@ def _film(place, analysis: Analysis) -> None:
         if half.ground is not None:
             x = np.linspace(*axes.get_xlim(), 200)
             axes.plot(x, half.ground(x), color=unit_rgb(QUIET), linewidth=1.2, zorder=0)
-        axes.text(0.5, -0.02, f"{half.time[step] - half.time[steps[0]]:.2f} s", transform=axes.transAxes, ha="center", va="top", fontsize=8.5, color="0.35")
+        caption(axes, f"{half.time[step] - half.time[steps[0]]:.2f} s")
         if number == 0:
             axes.set_title("One period: blue contracting, green at rest, red expanding")
             for cell, colour in zip(_cells(analysis), (ACCENT, SECOND)):
@@ -88,7 +88,7 @@ def _traces(axes, analysis: Analysis) -> None:
         axes.plot(half.time[span], half.activation[span, cell], color=unit_rgb(colour), label=f"cell {cell}")
     axes.axhline(0.0, color="0.75", linewidth=0.8, zorder=1)
     axes.set(title="Actuation e − c of two cells", xlabel="time, s", ylim=(-1.05, 1.05))
-    axes.legend(ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2, handlelength=1.5, columnspacing=1.2)
+    legend(axes)
 
 
 def _phases(axes, bar, analysis: Analysis) -> None:
@@ -117,7 +117,8 @@ def _contacts(axes, analysis: Analysis) -> None:
     time = analysis.half.time[span]
     order = analysis.frame.shape[:, 0].argsort()
     order = order[contact.duty[order] > 0]
-    axes.pcolormesh(time, np.arange(len(order)), contact.touching[np.ix_(span, order)].T, cmap="Greys", vmin=0, vmax=1.4, shading="nearest")
+    touching = contact.touching[np.ix_(span, order)].T
+    axes.pcolormesh(time, np.arange(len(order)), touching, cmap="Greys", vmin=0, vmax=1.4, shading="nearest")
     axes.set(title="On the ground, rear to front", xlabel="time, s", yticks=np.arange(len(order)))
     axes.set_yticklabels(order, fontsize=6, color=unit_rgb(INK))
     axes.grid(False)

@@ -18,7 +18,7 @@ class Rules(Checked):
 
     least_amplitude: float = parameter(0.02, 0.0, 1.0, "", "mean amplitude of e - c below which muscles are still")
     least_travel: float = parameter(0.2, 0.0, 1e6, "m", "way in the second half below which the body is still")
-    least_coherence: float = parameter(0.6, 0.0, 1.0, "", "share of the muscles' variance at one rhythm, for a gait")
+    least_coherence: float = parameter(0.25, 0.0, 1.0, "", "share of the muscles' variance at one rhythm, for a gait")
     passive_share: float = parameter(0.5, 0.0, 1.0, "", "protrusions: share of cells up to which the motion is local")
     limb_thickness: float = parameter(2.4, 1.0, 100.0, "m", "protrusions: a limb is thinner than this, the body is not")
     limb_lead: float = parameter(1.5, 1.0, 1e3, "", "protrusions: power of the sway of a limb's cell, relative to others")
@@ -34,7 +34,8 @@ class Rules(Checked):
     least_duty: float = parameter(0.05, 0.0, 1.0, "", "share of the time for which a cell of a foot touches")
     foot_gap: float = parameter(1.5, 0.0, 100.0, "m", "along the ground, between two feet")
     least_flight: float = parameter(0.05, 0.0, 1.0, "", "jump, run: share of the time in the air; below it contact is kept")
-    alternation: float = parameter(-0.3, -1.0, 0.0, "", "run: most correlation of the contact of the end feet")
+    alternation: float = parameter(-0.5, -1.0, 0.0, "", "run: most association of the contacts of the end feet")
+    most_duty: float = parameter(0.6, 0.0, 1.0, "", "run: mean share of the time for which a foot stands; more is creeping")
     least_shift: float = parameter(0.01, 0.0, 1.0, "", "mass shift: amplitude of the mass over its support, in body lengths")
 
 
@@ -66,7 +67,7 @@ def classify_swimmer(gait, rules: Rules = Rules()) -> tuple[str, str]:
     if agree and gait.lateral_shift <= rules.in_phase and together >= rules.synchrony and gait.pulsation >= rules.pulsation:
         return "jellyfish", f"all pulse together ({together:.2f}), the area by {gait.pulsation:.0%}"
     travels = gait.gradient_fit >= rules.wave_fit and abs(gait.gradient_along) > abs(gait.gradient_across)
-    if agree and gait.lateral_shift <= rules.in_phase and gait.synchrony < rules.synchrony and travels:
+    if agree and gait.lateral_shift <= rules.in_phase and together < rules.synchrony and travels:
         return "peristalsis", f"{shift}, a wave of {abs(gait.gradient_along):.2g} rad/m along the body"
     return UNCLEAR, f"{shift} (agreement {gait.lateral_agreement:.2f}), synchrony {gait.synchrony:.2f}"
 
@@ -76,8 +77,8 @@ def classify_walker(gait, rules: Rules = Rules()) -> tuple[str, str]:
     none = _rhythmic(gait, rules)
     if none:
         return none
-    if gait.feet > 1 and gait.support <= rules.alternation:
-        return "run", f"the end feet alternate (correlation {gait.support:.2f}), {gait.flight:.0%} of the time in the air"
+    if gait.feet > 1 and gait.support <= rules.alternation and gait.duty <= rules.most_duty:
+        return "run", f"the end feet alternate ({gait.support:.2f}), each stands {gait.duty:.0%} of the time"
     if gait.flight >= rules.least_flight:
         return "jump", f"{gait.flight:.0%} of the time in the air"
     if gait.mass_shift >= rules.least_shift * gait.length:

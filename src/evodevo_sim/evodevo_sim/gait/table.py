@@ -22,7 +22,7 @@ def headline(gait: Gait) -> str:
 
 def gait_table(gait: Gait) -> Table:
     """The numbers of a gait for a terminal; those that are not known are left out."""
-    table = Table("", "", "unit", title=f"{gait.name}: {gait.why}", title_justify="left", title_style="bold", box=None)
+    table = Table("", "", "unit", box=None, show_header=False)
     table.columns[1].justify = "right"
     for name, value, unit in _rows(gait):
         if not (isinstance(value, float) and math.isnan(value)):
@@ -64,7 +64,7 @@ def _rows(g: Gait):
         yield "flights", g.flights, "1/s"
         yield "feet", float(g.feet), ""
         yield "duty factor of a foot, mean", g.duty, ""
-        yield "correlation of the end feet", g.support, ""
+        yield "association of the end feet", g.support, ""
         yield "mass over its support, amplitude", g.mass_shift, "m"
 
 

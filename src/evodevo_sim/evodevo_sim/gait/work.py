@@ -15,7 +15,7 @@ from .track import Track
 
 @dataclass(frozen=True)
 class Work:
-    """J done on the body; gain: J of stored energy; rest: J that these do not explain.  On ground, the rest is the ground's work."""
+    """J done on the body; gain: J of stored energy; rest: J that these do not explain: on ground, its work."""
 
     muscle: float
     drag: float
@@ -43,7 +43,8 @@ def work_of(track: Track) -> Work:
     rate = ((velocity[:, b] - velocity[:, a]) * along).sum(axis=-1) / length
     damping = -np.trapezoid(w.damping * (rate**2).sum(axis=1), track.time)
     stored = _stored(track, length[[0, -1]], rest[[0, -1]], velocity[[0, -1]])
-    return Work(float(muscle), float(np.trapezoid(_drag_power(track, velocity), track.time)), float(damping), float(np.diff(stored)[0]))
+    drag = np.trapezoid(_drag_power(track, velocity), track.time)
+    return Work(float(muscle), float(drag), float(damping), float(stored[1] - stored[0]))
 
 
 def _drag_power(track: Track, velocity) -> np.ndarray:
@@ -65,5 +66,7 @@ def _stored(track: Track, length, rest, velocity) -> np.ndarray:
     kinetic = 0.5 * w.mass * (velocity**2).sum(axis=(1, 2))
     elastic = 0.5 * w.stiffness * ((length - rest) ** 2).sum(axis=1)
     lift = w.mass * w.gravity * position[..., 1].sum(axis=1)
-    squeezed = (track.chamber_area - chamber_areas(position, track.chambers)) ** 2 / track.chamber_area if len(track.chamber_area) else 0.0
-    return kinetic + elastic + lift + 0.5 * w.pressure * np.sum(squeezed, axis=-1)
+    if not len(track.chamber_area):
+        return kinetic + elastic + lift
+    squeezed = (track.chamber_area - chamber_areas(position, track.chambers)) ** 2 / track.chamber_area
+    return kinetic + elastic + lift + 0.5 * w.pressure * squeezed.sum(axis=1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import struct
 from contextlib import nullcontext
 from dataclasses import dataclass, field
@@ -130,11 +131,16 @@ def _choose(topic, schema, file, wanted):
         if any(choice and choice[0] == attribute for choice in wanted.values()):
             return None
         ours = definition(type_name(message_type))
-        if schema is None or schema.data.decode(errors="replace").split() != ours.split():
+        if schema is None or _words(schema.data.decode(errors="replace")) != _words(ours):
             how = "replay it with the version that made it"
             raise RecordingError(f"{file}: {topic} was recorded with other message types: {how}")
         return attribute, message_type, many
     return None
+
+
+def _words(text: str) -> list[str]:
+    """A message type's definition without its comments."""
+    return re.sub(r"#.*", "", text).split()
 
 
 def _keep(recording, data, attribute, message_type, many):

@@ -77,16 +77,16 @@ def _head(figure, recording: Recording, life: Life) -> None:
     figure.text(_LEFT / _WIDTH, 1 - 0.72 / total, facts, fontsize=9.5, color="0.35")
     if not len(life.time) and not life.growth:
         return
-    legend = figure.add_axes((1 - (_RIGHT + 2.6) / _WIDTH, 1 - 0.47 / total, 2.6 / _WIDTH, 0.14 / total))
+    scale = figure.add_axes((1 - (_RIGHT + 2.6) / _WIDTH, 1 - 0.47 / total, 2.6 / _WIDTH, 0.14 / total))
     values = np.linspace(-1, 1, 261)
-    legend.imshow(activation_colours(values)[None], aspect="auto", extent=(-1, 1, 0, 1))
-    legend.set(yticks=[], xticks=(-1, 0, 1))
-    legend.set_xticklabels(("contracting", "at rest", "expanding"), fontsize=8.5)
-    legend.tick_params(length=0, pad=3)
-    for label, side in zip(legend.get_xticklabels(), ("left", "center", "right")):
+    scale.imshow(activation_colours(values)[None], aspect="auto", extent=(-1, 1, 0, 1))
+    scale.set(yticks=[], xticks=(-1, 0, 1))
+    scale.set_xticklabels(("contracting", "at rest", "expanding"), fontsize=8.5)
+    scale.tick_params(length=0, pad=3)
+    for label, side in zip(scale.get_xticklabels(), ("left", "center", "right")):
         label.set_horizontalalignment(side)
-    legend.spines[:].set_visible(False)
-    legend.grid(False)
+    scale.spines[:].set_visible(False)
+    scale.grid(False)
 
 
 def _growth_steps(life: Life) -> list[int]:
@@ -110,12 +110,13 @@ def _growth_row(life: Life):
             frame(axes, (low + high) / 2 - size, (low + high) / 2 + size)
             draw_pose(axes, pose, life.growth_springs[k])
             many = "cell" if len(pose.position) == 1 else "cells"
-            _caption(axes, f"step {k}, {len(pose.position)} {many}")
+            caption(axes, f"step {k}, {len(pose.position)} {many}")
 
     yield 1.9, "growth", draw
 
 
-def _caption(axes, text) -> None:
+def caption(axes, text) -> None:
+    """A line below axes."""
     axes.text(0.5, -0.03, text, transform=axes.transAxes, ha="center", va="top", fontsize=8.5, color="0.35")
 
 
@@ -138,7 +139,7 @@ def _swim_row(life: Life):
         for number, (k, axes) in enumerate(zip(steps, grid)):
             frame(axes, low, high)
             draw_swim(axes, life, k)
-            _caption(axes, f"{life.time[k] - life.time[0]:.3g} s")
+            caption(axes, f"{life.time[k] - life.time[0]:.3g} s")
             if number == 0:
                 for cell, colour in zip(contrasting_cells(life.activation), (ACCENT, SECOND)):
                     axes.plot(*life.position[k, cell], "o", color=unit_rgb(colour), mec="white", mew=1, ms=6, zorder=6)
@@ -181,7 +182,7 @@ def _activation(axes, life: Life) -> None:
     most = min(1.05, max(0.25, 1.3 * np.abs(life.activation[np.ix_(shown, cells)]).max()))
     axes.axhline(0.0, color="0.75", linewidth=0.8, zorder=1)
     axes.set(title="Activation e − c", xlabel="time since birth, s", ylim=(-most, most))
-    _legend(axes)
+    legend(axes)
 
 
 def _distance(axes, life: Life) -> None:
@@ -205,9 +206,9 @@ def _fitness(axes, statistics) -> None:
     axes.axhline(0.0, color=unit_rgb(QUIET), linewidth=0.8, zorder=1)
     axes.set(title="Fitness, m", xlabel="generation")
     axes.xaxis.get_major_locator().set_params(integer=True)
-    _legend(axes)
+    legend(axes)
 
 
-def _legend(axes) -> None:
+def legend(axes) -> None:
     """In the line of the title."""
     axes.legend(ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2, handlelength=1.5, columnspacing=1.2)

@@ -35,7 +35,7 @@ def headline(recording: Recording, life: Life) -> tuple[str, str]:
             facts.append(f"{life.distance[-1]:.2f} cell diameters in {seconds:.1f} s")
     gait = gait_of_recording(recording, life)
     if gait is not None:
-        facts.append(gait.name)
+        facts.append(f"gait: {gait.name}")
     if recording.truncated:
         facts.append("the end of the recording is missing")
     return name_of(recording.path), "  ·  ".join(facts)
