@@ -43,7 +43,8 @@ def ratios(champion, placements):
 
 def row(name, values):
     quarters = np.quantile(values, (0.0, 0.25, 0.5, 0.75, 1.0))
-    return f"    {name:22s} " + " ".join(f"{q:5.2f}" for q in quarters) + f"   halved {100 * np.mean(values <= 0.5):3.0f} %, nearer {100 * np.mean(values < 1):3.0f} %"
+    shares = f"halved {100 * np.mean(values <= 0.5):3.0f} %, nearer {100 * np.mean(values < 1):3.0f} %"
+    return f"    {name:22s} " + " ".join(f"{q:5.2f}" for q in quarters) + f"   {shares}"
 
 
 def cost(champion, repeats=20):

@@ -13,7 +13,7 @@ from evodevo_sim.replay.life import life_of
 from lab import DEADLINE
 from test_chemotaxis import pulsing_smeller
 
-SMALL = ["--quiet", "--set=development.max_cells=8", "--set=development.steps=60", "--real-time-factor", "0"]
+SMALL = ["--quiet", "--set=development.max_cells=8", "--set=development.steps=60", "--real-time-factor", "8"]
 
 
 @pytest.fixture(scope="module")

@@ -124,3 +124,12 @@ def test_scent_points_scatter_farther_in_the_first_population_alone():
     assert first[0] == given[0]
     points = np.array([(genome.x[3], genome.y[3]) for genome in first[1:]])
     assert np.abs(points).max() <= 6.0 and np.abs(points).mean() > 2.0
+
+
+def test_the_scents_point_moves_in_its_share_of_children():
+    settings = Settings(population=100, scent_mutation=0.3, point_mutation=0.0, flip=0.0, crossover=0.0, start_share=1.0)
+    given = [random_genome(np.random.default_rng(1), 3)]
+    others = Evolution(settings, 7, given).ask()[1:]
+    moved = [genome for genome in others if genome.x[3] != given[0].x[3]]
+    assert 15 < len(moved) < 45 and all(np.array_equal(genome.x[:3], given[0].x[:3]) for genome in others)
+    assert 0 < sum(genome.sign[3] != given[0].sign[3] for genome in moved) < 12

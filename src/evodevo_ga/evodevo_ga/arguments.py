@@ -37,8 +37,8 @@ The run's directory holds a rosbag2 recording in MCAP and champion.yaml. See it 
 """
 
 
-# What differs from the defaults of Settings, by task: scent is strong, and acts on networks at points within 4 as a poison.
-_OF_TASK = {"chemotaxis": {"scent_extent": 6.0}}
+# What differs from the defaults of Settings, by task: docs/chemotaxis.md.
+_OF_TASK = {"chemotaxis": {"scent_extent": 6.0, "scent_mutation": 0.25, "point_mutation": 0.015, "point_scale": 0.7}}
 
 
 @dataclasses.dataclass(frozen=True)

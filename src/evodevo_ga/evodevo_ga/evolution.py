@@ -15,7 +15,7 @@ import numpy as np
 from evodevo_sim import Evaluation, Genome, ParameterError, Status, random_genome
 from evodevo_sim.parameters import Checked, parameter
 
-from .operators import crossover, delete, duplicate, flip, mutate_points, scatter_scent, tournament
+from .operators import crossover, delete, duplicate, flip, mutate_points, mutate_scent, scatter_scent, tournament
 
 
 @dataclass(frozen=True)
@@ -37,6 +37,7 @@ class Settings(Checked):
     units: int = parameter(20, 0, 10_000, "", "regulatory units in a random genome")
     extent: float = parameter(1.0, 0.0, 1e3, "", "half side of the square of a random genome's points")
     scent_extent: float = parameter(0.0, 0.0, 1e3, "", "half side of the square of the scent's points in the first population; 0 is extent")
+    scent_mutation: float = parameter(0.0, 0.0, 1.0, "", "probability per child that the scent's point moves, beyond point_mutation")
     start_share: float = parameter(0.5, 0.0, 1.0, "", "of the first population, that given genomes and their mutants make up")
 
     def __post_init__(self):
@@ -154,7 +155,10 @@ class Evolution:
             genome = duplicate(genome, rng, s.run_length)
         if rng.random() < s.deletion:
             genome = delete(genome, rng, s.run_length)
-        return flip(mutate_points(genome, rng, s.point_mutation, s.point_scale), rng, s.flip)
+        genome = flip(mutate_points(genome, rng, s.point_mutation, s.point_scale), rng, s.flip)
+        if s.scent_mutation and rng.random() < s.scent_mutation:
+            genome = mutate_scent(genome, rng, s.point_scale)
+        return genome
 
     def _statistics(self, improved: bool) -> Generation:
         fitness = [one.evaluation.fitness for one in self.population]

@@ -9,6 +9,7 @@ import numpy as np
 from evodevo_sim.genome import HEADER, INPUT_NAMES, MORPHOGEN, TRANSCRIPTION_FACTOR, Genome
 
 SCENT = INPUT_NAMES.index("scent")
+_SIGN_TOO = 0.1
 
 
 def mutate_points(genome: Genome, rng: np.random.Generator, probability: float, scale: float) -> Genome:
@@ -26,6 +27,17 @@ def scatter_scent(genome: Genome, rng: np.random.Generator, extent: float) -> Ge
     x, y = genome.x.copy(), genome.y.copy()
     x[SCENT], y[SCENT] = rng.uniform(-extent, extent, 2)
     return Genome(genome.kind, genome.sign, x, y)
+
+
+def mutate_scent(genome: Genome, rng: np.random.Generator, scale: float) -> Genome:
+    """Move the scent's point, in a random direction by |N(0, scale)|; one time in ten its sign changes, too."""
+    direction, length = rng.uniform(0.0, 2.0 * np.pi), abs(rng.normal(0.0, scale))
+    x, y, sign = genome.x.copy(), genome.y.copy(), genome.sign.copy()
+    x[SCENT] += length * np.cos(direction)
+    y[SCENT] += length * np.sin(direction)
+    if rng.random() < _SIGN_TOO:
+        sign[SCENT] = -sign[SCENT]
+    return Genome(genome.kind, sign, x, y)
 
 
 def flip(genome: Genome, rng: np.random.Generator, probability: float) -> Genome:

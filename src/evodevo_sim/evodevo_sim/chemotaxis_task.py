@@ -26,7 +26,9 @@ def placements(task: Task) -> np.ndarray:
     return np.array([(c.angle, c.distance), (-c.angle, c.distance)])
 
 
-def attempt(genome: Genome, task: Task, seed: int, placed, shown: int = LEFT, finer: int = 1, track=_NOT_KEPT[0], traces=_NOT_KEPT[1]) -> Trials:
+def attempt(
+    genome: Genome, task: Task, seed: int, placed, shown: int = LEFT, finer: int = 1, track=_NOT_KEPT[0], traces=_NOT_KEPT[1]
+) -> Trials:
     """All swims of a genome.  Args: placed (K, 2), shown, track, traces: see `chemotaxis.trials`."""
     signals = make_signals(noise=task.noise.arguments(), seed=seed)
     placed = np.ascontiguousarray(placed, float).reshape(-1, 2)
