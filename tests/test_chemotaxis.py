@@ -220,3 +220,21 @@ def test_noise_is_seeded_and_changes_the_life(which):
     assert evaluate(genome, TASK, 1) == evaluate(genome, TASK, 2)
 
 
+# --- more pairs ---------------------------------------------------------------------------------------------------------
+
+
+def test_pairs_spread_about_the_one_and_the_worst_of_all_targets_pays():
+    one, two = placements(TASK), placements(dataclasses.replace(TASK, chemotaxis=Chemotaxis(pairs=2, spread=0.25)))
+    assert one == pytest.approx(np.array([(ANGLE, DISTANCE), (-ANGLE, DISTANCE)]))
+    assert two == pytest.approx(np.array([(s * ANGLE * (1 + k), DISTANCE * (1 - k)) for k in (-0.25, 0.25) for s in (1, -1)]))
+    task = dataclasses.replace(TASK, chemotaxis=Chemotaxis(pairs=2, spread=0.25, least_distance=0.0))
+    targets = np.array([(d * np.cos(a), d * np.sin(a)) for a, d in two])
+
+    def paid(*ends):
+        paths = np.array([np.linspace(0.0, 1.0, LENGTH + 1)[:, None] * end for end in ends])
+        return score(Trials(0, -1, line(20.0), 0.3, 1.0, 2, 12, 20, 9, True, (1.0, 0.0), targets, paths, np.ones(4)), task).fitness
+
+    all_four, three = paid(*targets), paid(*targets[:3], np.array([20.0, 0.0]))
+    assert three == pytest.approx(20.0 + 2 * TASK.activity_bonus) and all_four > three + 50.0
+    found = evaluate(pulsing_smeller(), task)
+    assert found == evaluate(pulsing_smeller(), task) and found.metrics.steering.distance == pytest.approx(15.0)

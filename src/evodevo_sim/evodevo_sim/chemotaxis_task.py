@@ -21,9 +21,11 @@ def run(genome: Genome, task: Task, seed: int, finer: int, track, traces) -> Eva
 
 
 def placements(task: Task) -> np.ndarray:
-    """(2, 2): angle, rad, and distance, m, of the targets on the left and on the right."""
+    """(2 pairs, 2): angle, rad, and distance, m, of the targets: those of a pair on the left and on the right, pair after pair."""
     c = task.chemotaxis
-    return np.array([(c.angle, c.distance), (-c.angle, c.distance)])
+    lean = c.spread * np.linspace(-1.0, 1.0, c.pairs) if c.pairs > 1 else np.zeros(1)
+    angle, distance = c.angle * (1.0 + lean), c.distance * (1.0 - lean)
+    return np.column_stack((np.column_stack((angle, -angle)).ravel(), np.repeat(distance, 2)))
 
 
 def attempt(
@@ -61,13 +63,13 @@ def approach(path, target, heading, angle: float) -> tuple[float, float, float]:
 
 
 def score(result: Trials, task: Task) -> Evaluation:
-    """What pays: sustained forward motion; then, for the worse of both sides, muscles that work in scent, turning and nearing."""
+    """What pays: sustained forward motion; then, for the worst target, muscles that work in scent, turning and nearing."""
     status, path, c = Status(result.status), result.path, task.chemotaxis
     sizes = {"cells": result.cells, "springs": result.springs, "chambers": result.chambers, "substeps": result.substeps}
     if status in FAILURE:
         stiff = status == Status.UNSTABLE and result.failed_step < 0
         return failure(status, Metrics(**sizes), result.failed_step, STIFF if stiff else "")
-    steering = _steering(result, task) if result.tested else Steering()
+    pairs = [_steering(result, task, pair) for pair in range(c.pairs)] if result.tested else [Steering()]
     ends = path[:: SAMPLES]
     metrics = Metrics(
         **sizes,
@@ -75,27 +77,27 @@ def score(result: Trials, task: Task) -> Evaluation:
         distance_second_half=float(np.hypot(*(path[-1] - ends[task.windows // 2]))),
         slowest_window=slowest_progress(ends),
         activation_amplitude=result.amplitude,
-        steering=steering,
+        steering=pairs[0],
     )
     paid = task.windows * metrics.slowest_window + task.activity_bonus
     if result.tested:
-        s = steering
-        paid += task.activity_bonus * min(s.left_active, s.right_active)
-        paid += c.turning_weight * max(0.0, min(s.left_active * s.left_gain, s.right_active * s.right_gain))
-        nearer = (s.left_active * (s.distance - s.left_distance), s.right_active * (s.distance - s.right_distance))
-        paid += c.approach_weight * max(0.0, min(nearer))
+        paid += task.activity_bonus * min(min(s.left_active, s.right_active) for s in pairs)
+        gains = [min(s.left_active * s.left_gain, s.right_active * s.right_gain) for s in pairs]
+        nearer = [min(s.left_active * (s.distance - s.left_distance), s.right_active * (s.distance - s.right_distance)) for s in pairs]
+        paid += c.turning_weight * max(0.0, min(gains)) + c.approach_weight * max(0.0, min(nearer))
     return Evaluation(result.active * paid, status, "", metrics)
 
 
-def _steering(result: Trials, task: Task) -> Steering:
-    c = task.chemotaxis
-    left = approach(result.paths[LEFT], result.targets[LEFT], result.heading, c.angle)
-    right = approach(result.paths[RIGHT], result.targets[RIGHT], result.heading, -c.angle)
+def _steering(result: Trials, task: Task, pair: int) -> Steering:
+    (angle, distance), _ = placements(task)[2 * pair : 2 * pair + 2]
+    here, there = 2 * pair + LEFT, 2 * pair + RIGHT
+    left = approach(result.paths[here], result.targets[here], result.heading, angle)
+    right = approach(result.paths[there], result.targets[there], result.heading, -angle)
     return Steering(
-        distance=c.distance,
-        left_x=float(result.targets[LEFT, 0]), left_y=float(result.targets[LEFT, 1]),
-        right_x=float(result.targets[RIGHT, 0]), right_y=float(result.targets[RIGHT, 1]),
+        distance=float(distance),
+        left_x=float(result.targets[here, 0]), left_y=float(result.targets[here, 1]),
+        right_x=float(result.targets[there, 0]), right_y=float(result.targets[there, 1]),
         left_distance=left[0], right_distance=right[0], left_gain=left[1], right_gain=right[1],
         left_turn=left[2], right_turn=right[2],
-        left_active=float(result.actives[LEFT]), right_active=float(result.actives[RIGHT]),
+        left_active=float(result.actives[here]), right_active=float(result.actives[there]),
     )

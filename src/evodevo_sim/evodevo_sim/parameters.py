@@ -111,6 +111,8 @@ class Chemotaxis(Checked):
     scent_reach: float = parameter(25.0, 1e-3, 1e6, "m", "distance at which the scent has fallen to 0")
     distance: float = parameter(12.0, 1e-3, 1e6, "m", "of the targets from the centre of mass at birth")
     angle: float = parameter(math.pi / 2, 0.0, math.pi, "rad", "of the targets from the way that it swims without one, to either side")
+    pairs: int = parameter(1, 1, 100, "", "of targets, one on the left and one on the right each")
+    spread: float = parameter(0.3, 0.0, 0.9, "", "of pairs: the last one's angle is larger, its distance smaller by this share, the first one's the other way")
     least_distance: float = parameter(1.0, 0.0, 1e6, "m", "to swim without a target, before it is tested with targets")
     turning_weight: float = parameter(4.0, 0.0, 1e6, "", "of metres that turning has brought it nearer to both targets")
     approach_weight: float = parameter(8.0, 0.0, 1e6, "", "of metres that it is nearer to both targets than at birth")

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -112,10 +112,8 @@ def turning(genome: Genome, task: Task, seed: int = 0) -> Turning:
 
 
 def _tested(task: Task) -> Task:
-    """The task, but that whoever moves at all is tested."""
-    from dataclasses import replace
-
-    return replace(task, chemotaxis=replace(task.chemotaxis, least_distance=0.0))
+    """The task, but that whoever moves at all is tested, with one pair of targets."""
+    return replace(task, chemotaxis=replace(task.chemotaxis, least_distance=0.0, pairs=1))
 
 
 def _kept(genome, task, seed, shown):

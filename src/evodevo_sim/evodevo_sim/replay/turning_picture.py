@@ -11,14 +11,14 @@ from matplotlib.figure import Figure
 from ..turning import Turning
 from .colours import ACCENT, INK, QUIET, SECOND, THIRD, unit_rgb
 from .drawing import DIAMETER, bounds, frame, round_length, scale_bar
-from .picture import _STYLE
+from .picture import STYLE
 
 _COLUMN, _ROW = 4.2, 3.9  # inches
 
 
 def save_turning(found: list[tuple[str, Turning]], path) -> None:
     """Draw champions, a row each: the map of a turn to the left, of one to the right, and the three paths; save a PNG."""
-    with matplotlib.rc_context(_STYLE):
+    with matplotlib.rc_context(STYLE):
         figure = Figure((3 * _COLUMN, _ROW * len(found) + 1.1), dpi=125, facecolor="white")
         grid = figure.subplots(len(found), 3, squeeze=False)
         figure.subplots_adjust(left=0.02, right=0.97, top=1 - 0.75 / figure.get_figheight(), bottom=0.5 / figure.get_figheight(), hspace=0.3)
