@@ -1,0 +1,69 @@
+"""A sample of benchmarks/stress.py: whatever the body, muscles and parameters, a life ends sound or with a named outcome."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from evodevo_sim import Task, evaluate
+from evodevo_sim.integrators import carry_adaptively, make_system, make_work
+from evodevo_sim.life import MOST_SUBSTEPS
+from evodevo_sim.live import Animat, NotViable
+from evodevo_sim.outcome import STIFF, Status
+from evodevo_sim.parameters import with_settings
+from evodevo_sim.physics import UNSTABLE, Law
+from evodevo_sim.stability import EULER, RK4, bounds
+from evodevo_sim.trajectory import follow
+from bodies import slab
+from genomes import dividing
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
+from stress import stress  # noqa: E402
+
+OUTCOMES = {"sound", "unstable", "inverted", "too stiff", "too many steps", "not run: many steps", "coincident cells"}
+FAR = {"material.stiffness": 1e9, "material.mass": 1e-6, "control_step": 1.0}
+
+
+def faults_of(seed, beyond):
+    with np.errstate(all="ignore"):
+        row = stress(seed, 0, beyond)
+    assert {row["swim"], row["own"]} <= OUTCOMES
+    # The substeps of `choose_substeps` do not count damping and drag: there a body may gain energy for a while before it is named.
+    return [fault for fault in row["faults"].split("; ") if fault and not fault.startswith("energy swim")]
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.integers(0, 2**32))
+def test_every_life_within_the_ranges_ends_sound_or_with_a_name(seed):
+    assert faults_of(seed, beyond=False) == []
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.integers(0, 2**32))
+def test_beyond_the_ranges_nothing_crashes_and_no_nan_is_called_sound(seed):
+    assert [fault for fault in faults_of(seed, beyond=True) if not fault.startswith("energy")] == []
+
+
+def test_a_body_that_would_need_hours_is_named_at_once():
+    evaluation = evaluate(dividing(), with_settings(Task(), FAR))
+    assert (evaluation.status, evaluation.cause) == (Status.UNSTABLE, STIFF) and f"{MOST_SUBSTEPS} physics steps" in STIFF
+    assert evaluation.fitness < -1 and evaluation.metrics.substeps == 0 and evaluation.metrics.chambers
+    with pytest.raises(NotViable, match="physics steps"):
+        Animat(dividing(), with_settings(Task(), FAR))
+
+
+def test_a_frame_that_would_take_for_ever_ends_unstable():
+    body = slab(3, 2)
+    system = make_system(body, Law(1e9, 0.0, 1e9, 0.0, 0.0))
+    position, velocity, work = body.position.T.copy(), np.zeros((2, 6)), make_work(body)
+    track = np.empty((2, 2, 6, 2))
+    for method in (EULER, RK4):
+        outcome, reached, _ = follow(
+            system, method, bounds(system), 0, 8, 0.0, 0.0, np.array([0.0, 60.0]), 0, 1, position, velocity, work, *track
+        )
+        assert (outcome, reached) == (UNSTABLE, 0) and np.array_equal(position.T, body.position)
+    velocity[0, 0] = 1.0
+    outcome, _, evaluations = carry_adaptively(system, 0.0, 60.0, 1e-9, 1e-6, position, velocity, work, np.zeros(0))
+    assert outcome == UNSTABLE and evaluations < 1_000_000
