@@ -191,7 +191,7 @@ def _distance(axes, life: Life) -> None:
     axes.set(title="Distance, m" if aims else "Distance from birth, m", xlabel="time since birth, s")
     if aims:
         axes.plot(seconds, life.target_distance, color=unit_rgb(SECOND), label="to target")
-        _legend(axes)
+        legend(axes)
     axes.set_ylim(bottom=0.0)
 
 
