@@ -22,12 +22,12 @@ def test_a_network_at_rest_earns_nothing():
     assert found.fitness == 0.0
 
 
-def test_progress_counts_on_the_way_from_start_to_end_alone():
+def test_a_curved_way_counts_as_far_as_it_is_straight():
     turn = np.linspace(0.0, 2 * np.pi, 5)
     circle = np.stack((np.cos(turn), np.sin(turn)), axis=1)
     for path, slowest in (
-        (circle, 0.0), (circle[[0, 1, 0, 1, 2]], 0.0), (np.zeros((5, 2)), 0.0),
-        (np.array([[0.0, 0.0], [3.0, 4.0], [6.0, 8.0], [7.0, 9.0], [9.0, 12.0]]), 1.4),
+        (circle, 0.0), (circle[[0, 1, 0, 1, 2]], np.sqrt(2) * 2 / (4 * np.sqrt(2))), (np.zeros((5, 2)), 0.0),
+        (np.array([[0.0, 0.0], [3.0, 4.0], [6.0, 8.0], [9.0, 12.0], [10.5, 14.0]]), 2.5),
     ):
         assert slowest_progress(path) == pytest.approx(slowest, abs=1e-12)
 

@@ -19,6 +19,7 @@ ACCURATE_RK4 = 1.5
 ACCURATE_DRAG = 1.6
 MOST_SUBSTEPS = 1000  # in a control step; a body that needs more would keep everybody waiting for hours
 MOST_DOUBLINGS = 3
+_STABLE_DRAG = 2.6  # h * (rate of drag) after a substep, up to which RK4 does not overshoot
 _FASTEST = 0.5  # of the shortest rest length, that a cell may move in a substep
 _SHORTEST = 0.05  # of its rest length, that a spring may shrink to
 
@@ -299,6 +300,7 @@ def advance(body, law, rest, position, velocity, control_step, substeps, scratch
     """
     start_position, start_velocity = scratch.start_position, scratch.start_velocity
     _copy(position, velocity, start_position, start_velocity)
+    in_drag = law.drag_normal != 0.0 or law.drag_tangential != 0.0
     outcome = SOUND
     for doubling in range(MOST_DOUBLINGS + 1):
         steps = substeps << doubling
@@ -306,6 +308,8 @@ def advance(body, law, rest, position, velocity, control_step, substeps, scratch
         for _ in range(steps):
             _runge_kutta(body, law, rest, position, velocity, h, scratch)
         outcome = check(body, position, velocity, h)
+        if outcome == SOUND and in_drag and h * drag_rate(body, law, position, velocity, scratch.k1[0]) > _STABLE_DRAG:
+            outcome = UNSTABLE  # it sped up so much that drag may have overshot
         if outcome == SOUND:
             break
         if doubling < MOST_DOUBLINGS:

@@ -31,10 +31,13 @@ def run(genome: Genome, task: Task, seed: int, finer: int, track, traces) -> Eva
 
 
 def slowest_progress(path: np.ndarray) -> float:
-    """The least progress of any window on the way from start to end, m, at least 0: who circles gets nowhere.  Args: path (W + 1, 2)."""
-    way = path[-1] - path[0]
-    length = float(np.hypot(*way))
-    return max(0.0, float((np.diff(path, axis=0) @ way).min()) / length) if length > 0.0 else 0.0
+    """The shortest way in any window times straightness, the share of the whole way that leads from start to end, m.
+
+    Who circles gets nowhere; straightness has a slope everywhere, so that selection can act on it.  Args: path (windows + 1, 2).
+    """
+    ways = np.hypot(*np.diff(path, axis=0).T)
+    whole = float(ways.sum())
+    return float(ways.min()) * float(np.hypot(*(path[-1] - path[0]))) / whole if whole > 0.0 else 0.0
 
 
 def score(result, task: Task) -> Evaluation:
