@@ -18,6 +18,7 @@ from common import FULL, TINY, Figure, best, champion, main, plt, race, save, wr
 from evodevo_sim import Development, Status, Task, evaluate, perform, random_genome
 from evodevo_sim.swim_task import kernel_arguments
 from evodevo_sim.life import birth, develop
+from evodevo_sim.scent import make_signals
 from evodevo_sim.swim import swim
 from kernels import many_accelerations, many_checks, many_regulations
 
@@ -82,7 +83,7 @@ def accuracy(genome, cells, rounds, horizon, finest):
     exact = perform(genome, short, finer=finest).position[-1]
     finer = [2**k for k in range(int(np.log2(finest)) - 1)]
     arguments = kernel_arguments(genome, task)
-    seconds = best(race({f: lambda f=f: swim(*arguments, f, *NO_TRACK) for f in finer}, rounds, "accuracy"))
+    seconds = best(race({f: lambda f=f: swim(*arguments, f, make_signals(), *NO_TRACK) for f in finer}, rounds, "accuracy"))
     rows = []
     for f in finer:
         performance = perform(genome, short, finer=f)

@@ -10,6 +10,7 @@ from evodevo_sim.integrators import carry, carry_adaptively, set_muscles
 from evodevo_sim.physics import accelerations, check
 from evodevo_sim.regulation import exchange, regulate
 from evodevo_sim.stability import ADAPTIVE
+from evodevo_sim.scent import Signals
 from evodevo_sim.swim import live
 
 
@@ -86,10 +87,11 @@ def grows(system, method, h, chunks, chunk, position, most, work):
 def live_on(life, steps, seconds, development, continual):
     """Live all control steps, whether or not all rests.  Returns: (status of the last stretch, step first seen at rest or -1)."""
     nothing, track, traces = np.empty((2, 0)), np.empty((0, 0, 0)), np.empty((0, 0))
+    still = Signals(np.empty(0), np.empty(0), np.zeros(2, np.uint64))
     step, status, rested = 0, 0, -1
     while step < steps:
         before = step
-        status, step = live(life, step, steps, seconds, development, continual, nothing, track, traces)
+        status, step = live(life, step, steps, seconds, development, continual, still, nothing, track, traces)
         if step == before:  # failed
             break
         if step < steps and rested < 0:

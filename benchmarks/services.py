@@ -15,10 +15,11 @@ import time
 import psutil
 import rclpy
 from evodevo_ga import Evolution, Settings
-from evodevo_ga.fleet import Fleet, OwnSimulators
+from evodevo_ga.fleet import Fleet
 from evodevo_ga.in_process import evaluate_all
 from evodevo_sim import Task
 from evodevo_sim.nodes.common import stay_on_this_host
+from evodevo_sim.nodes.own import OwnSimulators
 from evodevo_sim.parameters import with_settings
 from rclpy.executors import SingleThreadedExecutor
 from tqdm import tqdm

@@ -102,3 +102,34 @@ def test_a_wrong_number_of_evaluations_is_refused():
     evolution.ask()
     with pytest.raises(ValueError, match="3 evaluations for 5 genomes"):
         evolution.tell([evaluation(0)] * 3)
+
+
+def test_a_run_begins_from_given_genomes_their_mutants_and_random_ones():
+    given = [random_genome(np.random.default_rng(k), 3) for k in (1, 2)]
+    moved = Settings(population=20, start_share=0.5, point_mutation=1.0)  # so that no mutant is its parent
+    asked, again = (Evolution(moved, 7, given).ask() for _ in range(2))
+    assert asked == again and len(asked) == 20 and asked[:2] == given
+    # Mutants differ from their parents by a run of a few elements at the most, and are as far from random ones of 20 units.
+    assert all(abs(len(genome) - len(given[k % 2])) < 20 for k, genome in enumerate(asked[:10]))
+    assert min(len(genome) for genome in asked[10:]) > 20 + max(map(len, given))
+    for share, kept in ((0.0, 2), (1.0, 20)):
+        asked = Evolution(Settings(population=20, start_share=share, point_mutation=1.0), 7, given).ask()
+        assert sum(len(genome) < 20 + max(map(len, given)) for genome in asked) == kept
+    assert Evolution(Settings(population=20), 7).ask() == Evolution(Settings(population=20), 7, ()).ask()
+
+
+def test_scent_points_scatter_farther_in_the_first_population_alone():
+    given = [random_genome(np.random.default_rng(1), 3)]
+    first = Evolution(Settings(population=40, scent_extent=6.0), 7, given).ask()
+    assert first[0] == given[0]
+    points = np.array([(genome.x[3], genome.y[3]) for genome in first[1:]])
+    assert np.abs(points).max() <= 6.0 and np.abs(points).mean() > 2.0
+
+
+def test_the_scents_point_moves_in_its_share_of_children():
+    settings = Settings(population=100, scent_mutation=0.3, point_mutation=0.0, flip=0.0, crossover=0.0, start_share=1.0)
+    given = [random_genome(np.random.default_rng(1), 3)]
+    others = Evolution(settings, 7, given).ask()[1:]
+    moved = [genome for genome in others if genome.x[3] != given[0].x[3]]
+    assert 15 < len(moved) < 45 and all(np.array_equal(genome.x[:3], given[0].x[:3]) for genome in others)
+    assert 0 < sum(genome.sign[3] != given[0].sign[3] for genome in moved) < 12

@@ -1,5 +1,6 @@
 """Living animats: the life of an evaluation, bit for bit, and a stage that lets one live in a thread."""
 
+import dataclasses
 import queue
 import threading
 
@@ -7,9 +8,13 @@ import numpy as np
 import pytest
 from evodevo_sim import Development, ParameterError, Task, perform
 from evodevo_sim.live import Animat, NotViable, Stage
+from evodevo_sim.parameters import default_task
 from genomes import beating, hand_made, ring
+from test_chemotaxis import pulsing_smeller
+from test_turning import reflex
 
 TASK = Task(development=Development(max_cells=12), control_steps=40)
+CHEMOTAXIS = dataclasses.replace(default_task("chemotaxis"), development=Development(max_cells=12), control_steps=40)
 WITHIN = 20.0  # s; what a thread is asked for comes at once, or the test fails
 
 
@@ -147,3 +152,58 @@ def test_closing_ends_the_thread_once_and_for_all(stage_for):
 def test_an_impossible_pace_is_named(stage_for, factor):
     with pytest.raises(ParameterError, match="real_time_factor"):
         stage_for(Audience()).load(swimmer(), factor)
+
+
+def seeker():
+    return Animat(pulsing_smeller(), CHEMOTAXIS)
+
+
+def test_a_target_reaches_the_network_in_the_next_control_step(stage_for):
+    """From the step after `aim` on, the life is that of an animat that had the target from there on, bit for bit."""
+    audience = Audience()
+    stage = stage_for(audience)
+    stage.pause(True)
+    stage.load(seeker(), 0.0)
+    assert audience.next()[0] == 0
+    stage.aim((4.0, 2.0))
+    stage.pause(False)
+    other = seeker()
+    other.target = (4.0, 2.0)
+    blind = seeker()
+    for step in range(1, 4):
+        other.step()
+        blind.step()
+        shown, target, seen = audience.next()
+        assert (shown, target) == (step, (4.0, 2.0)) and np.array_equal(seen, state(other))
+        assert not np.array_equal(seen, state(blind))
+
+
+def test_a_flood_of_targets_does_not_hold_the_animat_up(stage_for):
+    audience = Audience()
+    stage = stage_for(audience)
+    stage.load(seeker(), 1.0)
+    while audience.next()[0] < 20:
+        for k in range(200):
+            stage.aim((0.01 * k, 1.0))
+    stage.aim((9.0, 9.0))
+    while audience.next()[1] != (9.0, 9.0):
+        pass
+    assert audience.reasons.empty()
+
+
+def test_a_second_animat_takes_the_place_of_the_first_and_says_so(stage_for):
+    audience = Audience()
+    stage = stage_for(audience)
+    assert stage.load(swimmer(), 1.0) is False and stage.load(swimmer(), 1.0) is True
+
+
+def test_an_animat_at_rest_wakes_up_when_a_target_comes():
+    task = dataclasses.replace(CHEMOTAXIS, development=Development(max_cells=12))
+    animat = Animat(reflex(), task)
+    for _ in range(300):
+        animat.step()
+    still = animat.activation.copy()
+    animat.target = (1.0, 1.0)
+    for _ in range(10):
+        animat.step()
+    assert not still.any() and np.abs(animat.activation).min() > 0.02

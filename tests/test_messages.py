@@ -11,6 +11,8 @@ from evodevo_sim.messages import (
     body_message, cell_states_message, evaluation_from_message, evaluation_message, genome_from_message, genome_message,
     task_from_message, task_message, time_message,
 )
+from evodevo_sim.outcome import Steering
+from evodevo_sim.parameters import Chemotaxis, Noise
 from genomes import first_viable, random_genomes
 from hypothesis import given
 from hypothesis import strategies as st
@@ -55,7 +57,8 @@ def test_statuses_have_the_numbers_of_the_message():
     "cls, message, without",
     [
         (Task, msg.Task, set()), (Development, msg.Development, set()), (Material, msg.Material, set()), (Scene, msg.Scene, set()),
-        (Metrics, msg.Metrics, set()), (Settings, msg.Evolution, {"version", "task", "seed"}),
+        (Noise, msg.Noise, set()), (Chemotaxis, msg.Chemotaxis, set()), (Steering, msg.Steering, set()),
+        (Metrics, msg.Metrics, set()), (Settings, msg.Evolution, {"version", "task", "seed", "start"}),
         (Generation, msg.GenerationStatistics, {"stamp", "evaluations_per_second"}),
     ],
 )

@@ -10,15 +10,17 @@ import pytest
 from evodevo_msgs.msg import Body, CellStates, Genome
 from evodevo_msgs.srv import Evaluate, Load
 from evodevo_sim import Status, Task, evaluate, perform, random_genome
+from evodevo_sim.live import Animat
 from evodevo_sim.messages import evaluation_from_message, genome_message, task_message
 from evodevo_sim.nodes.common import stay_on_this_host
 from evodevo_sim.nodes.simulator import LATCHED
-from evodevo_sim.parameters import with_settings
+from evodevo_sim.parameters import default_task, with_settings
 from genomes import beating, dividing, first_viable, hand_made
 from geometry_msgs.msg import PoseStamped
 from lab import DEADLINE, Operator, simulators
 from rclpy.qos import qos_profile_sensor_data
 from std_srvs.srv import SetBool, Trigger
+from test_chemotaxis import pulsing_smeller
 
 NAMESPACE = f"/test_{os.getpid()}"
 TASK = with_settings(Task(), {"development.max_cells": 8, "control_steps": 40})
@@ -155,14 +157,48 @@ def test_what_cannot_live_is_refused_and_the_live_one_goes_on(lab, genome, facto
     lab.until(lambda: len(states) > count + 5)
 
 
-def test_bad_targets_leave_the_node_standing(lab):
-    publisher = lab.node.create_publisher(PoseStamped, f"{NAMESPACE}/target_pose", 1)
-    lab.until(publisher.get_subscription_count)
-    for frame, x in (("world", float("nan")), ("moon", 1.0), ("", 1.0), ("world", 3.0)):
-        message = PoseStamped()
-        message.header.frame_id, message.pose.position.x = frame, x
-        publisher.publish(message)
-    assert ask(lab, [genome_message(hand_made())]).evaluations
+def pose(x, y=0.0, frame="world", sec=0):
+    message = PoseStamped()
+    message.header.frame_id, message.header.stamp.sec = frame, sec
+    message.pose.position.x, message.pose.position.y = x, y
+    return message
+
+
+def test_a_live_animat_follows_the_last_good_target_whatever_else_comes():
+    """Its life is that of an animat that got the target at one step, through bad targets of every kind and a flood of them."""
+    namespace = f"{NAMESPACE}_targets"
+    task = with_settings(default_task("chemotaxis"), {"development.max_cells": 8})
+    with simulators(namespace) as [process], Operator() as operator:
+        publisher = operator.node.create_publisher(PoseStamped, f"{namespace}/target_pose", 1)
+        states = operator.listen(CellStates, f"{namespace}/cell_states", qos_profile_sensor_data)
+        operator.until(lambda: publisher.get_subscription_count() and operator.node.count_publishers(f"{namespace}/cell_states"))
+        request = dict(task=task_message(task), seed=1, genome=genome_message(pulsing_smeller()), real_time_factor=1.0)
+        assert "instead" not in operator.call(Load, f"{namespace}/load", **request).message
+        operator.until(lambda: states and states[-1].step > 5)
+        now = operator.node.get_clock().now().to_msg().sec
+        for k in range(1000):
+            publisher.publish(pose(0.01 * k, 5.0))
+        publisher.publish(pose(3.0, 1.0, sec=now))
+        asked = states[-1].step
+        operator.until(lambda: states[-1].step > asked + 60)
+        for bad in (pose(float("nan")), pose(1.0, float("inf")), pose(1.0, frame="moon"), pose(1.0, frame=""), pose(1.0, sec=1), pose(1.0, sec=now + 1000)):
+            publisher.publish(bad)
+            asked = states[-1].step
+            operator.until(lambda: states[-1].step > asked + 5)
+        assert "instead" in operator.call(Load, f"{namespace}/load", **request).message  # and the target stays
+        operator.until(lambda: 30 <= states[-1].step < asked)
+        process.terminate()
+        _, stderr = process.communicate(timeout=DEADLINE)
+    second = [k for k in range(1, len(states)) if states[k].step < states[k - 1].step][0]
+    animat = Animat(pulsing_smeller(), task)
+    animat.target = (3.0, 1.0)
+    seen = {message.step: message for message in states[second:]}
+    for step in range(31):
+        if step in seen:
+            assert np.array_equal(np.column_stack((seen[step].position_x, seen[step].position_y)), animat.position)
+        animat.step()
+    for says in ("(nan, 0.0) ignored", "frame 'moon' ignored", "s ago ignored", "in the future ignored"):
+        assert says in stderr
 
 
 def test_nobody_to_pause_is_said():

@@ -25,6 +25,8 @@ setup(
             "simulate = evodevo_sim.simulate:main",
             "gait = evodevo_sim.gait.cli:main",
             "replay = evodevo_sim.replay.cli:main",
+            "chase = evodevo_sim.nodes.chase:main",
+            "turning = evodevo_sim.turning_command:main",
         ],
     },
 )

@@ -7,7 +7,7 @@ import os
 from datetime import datetime
 from pathlib import Path
 
-from evodevo_sim import ParameterError, Task
+from evodevo_sim import Genome, GenomeError, ParameterError, Task, load_genome
 from evodevo_sim.command_line import Parser, pairs
 from evodevo_sim.nodes.common import without_ros
 from evodevo_sim.parameters import PRESETS, TASKS, default_task, preset, with_settings
@@ -29,6 +29,9 @@ examples:
   ros2 run evodevo_ga evolve --set scene.drag_normal=10 --set scene.drag_tangential=0.05
       any number of the model can be set so (docs/model.md lists them)
 
+  ros2 run evodevo_ga evolve --task chemotaxis --start bags/long
+      begins from swimmers: half of the first population is the champion of a run and its mutants
+
 Simulator nodes found on the ROS graph do the work, e.g. those that you start yourself by
   ros2 run evodevo_sim simulator --ros-args -r __ns:=/sim_0
 When there are none, or with --simulators N, evolve starts its own, one per core, and ends them.
@@ -36,6 +39,10 @@ When there are none, or with --simulators N, evolve starts its own, one per core
 The run's directory holds a rosbag2 recording in MCAP and champion.yaml. See it by
   ros2 run evodevo_sim replay DIR
 """
+
+
+# What differs from the defaults of Settings, by task: docs/chemotaxis.md.
+_OF_TASK = {"chemotaxis": {"scent_extent": 6.0, "scent_mutation": 0.25, "point_mutation": 0.015, "point_scale": 0.7}}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -47,6 +54,7 @@ class Options:
     simulators: int | None  # None: those on the graph, or else one per core
     look: float  # s to look for simulators on the graph
     quiet: bool
+    start: tuple[Genome, ...] = ()
 
 
 def parse(arguments: list[str]) -> Options:
@@ -60,12 +68,13 @@ def parse(arguments: list[str]) -> Options:
     parser.add_argument("--out", metavar="DIR", help="directory of the run, made anew (default bags/TASK-DATE-TIME)")
     parser.add_argument("--simulators", type=int, metavar="N", help="start N simulator nodes of our own, whatever is on the graph")
     parser.add_argument("--look", default=2.5, type=float, metavar="S", help="seconds to look for simulators on the graph (default %(default)s)")
+    parser.add_argument("--start", nargs="+", default=[], metavar="FILE|DIR", help="genomes to begin from, or runs with a champion.yaml")
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
     group = parser.add_argument_group("genetic algorithm")
     for field in dataclasses.fields(Settings):
         group.add_argument(
-            f"--{field.name.replace('_', '-')}", default=field.default, type=type(field.default), metavar="N" if isinstance(field.default, int) else "X",
-            help=f"{field.metadata['meaning']} (default %(default)s)",
+            f"--{field.name.replace('_', '-')}", type=type(field.default), metavar="N" if isinstance(field.default, int) else "X",
+            help=f"{field.metadata['meaning']} (default {_defaults(field)})",
         )
     parser.add_argument("--preset", metavar="NAME", help=f"a named set of numbers of the model: {', '.join(PRESETS)}")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="set a number of the model, e.g. material.stiffness=300")
@@ -77,8 +86,12 @@ def parse(arguments: list[str]) -> Options:
         starts = {} if given.starts is None else {"starts": given.starts}
         named = preset(given.preset) if given.preset else {}
         task = with_settings(task, {"development.max_cells": given.cells, **starts, **named, **pairs(given.set)})
-        settings = Settings(**{field.name: getattr(given, field.name) for field in dataclasses.fields(Settings)})
-    except ParameterError as error:
+        chosen = {field.name: getattr(given, field.name) for field in dataclasses.fields(Settings)}
+        settings = Settings(**_OF_TASK.get(task.name, {}) | {name: value for name, value in chosen.items() if value is not None})
+        start = tuple(load_genome(_genome_file(Path(name))) for name in given.start)
+        if len(start) > settings.population:
+            raise ParameterError(f"--start gives {len(start)} genomes to a population of {settings.population}: give fewer")
+    except (ParameterError, GenomeError) as error:
         parser.error(str(error))
     if not 0 <= given.seed < 2**63:
         parser.error(f"--seed is {given.seed}: give a whole number from 0 to 2^63 - 1")
@@ -87,7 +100,16 @@ def parse(arguments: list[str]) -> Options:
     if not 0.0 <= given.look <= 3600.0:
         parser.error(f"--look is {given.look}: give 0 to 3600 seconds")
     out = Path(given.out or f"bags/{task.name}-{datetime.now():%Y%m%d-%H%M%S}")
-    return Options(task, settings, given.seed, out, given.simulators, given.look, given.quiet)
+    return Options(task, settings, given.seed, out, given.simulators, given.look, given.quiet, start)
+
+
+def _defaults(field) -> str:
+    by_task = [f"{settings[field.name]} for {name}" for name, settings in _OF_TASK.items() if field.name in settings]
+    return ", ".join([str(field.default), *by_task])
+
+
+def _genome_file(path: Path) -> Path:
+    return path / "champion.yaml" if path.is_dir() else path
 
 
 def cores() -> int:

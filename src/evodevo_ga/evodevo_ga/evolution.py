@@ -8,13 +8,14 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from evodevo_sim import Evaluation, Genome, ParameterError, Status, random_genome
 from evodevo_sim.parameters import Checked, parameter
 
-from .operators import crossover, delete, duplicate, flip, mutate_points, tournament
+from .operators import crossover, delete, duplicate, flip, mutate_points, mutate_scent, scatter_scent, tournament
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,9 @@ class Settings(Checked):
     flip: float = parameter(0.005, 0.0, 1.0, "", "probability per element of a change of sign, or of a gene's kind")
     units: int = parameter(20, 0, 10_000, "", "regulatory units in a random genome")
     extent: float = parameter(1.0, 0.0, 1e3, "", "half side of the square of a random genome's points")
+    scent_extent: float = parameter(0.0, 0.0, 1e3, "", "half side of the square of the scent's points in the first population; 0 is extent")
+    scent_mutation: float = parameter(0.0, 0.0, 1.0, "", "probability per child that the scent's point moves, beyond point_mutation")
+    start_share: float = parameter(0.5, 0.0, 1.0, "", "of the first population, that given genomes and their mutants make up")
 
     def __post_init__(self):
         super().__post_init__()
@@ -70,14 +74,18 @@ class Evolution:
     Every generation draws from its own generator, seeded by (seed, generation), so a run does not depend on who evaluated
     what, or in which order.
 
+    Args: start: genomes to begin from, each as it is and then in mutants, in turn, up to `settings.start_share` of the first
+    population; the rest is random.
+
     Attributes: population (best first), champion, generation (of the population), evaluations.
     """
 
-    def __init__(self, settings: Settings = Settings(), seed: int = 0):
+    def __init__(self, settings: Settings = Settings(), seed: int = 0, start: Sequence[Genome] = ()):
         if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**63:
             raise ParameterError(f"seed is {seed!r}: give a whole number from 0 to 2^63 - 1")
         self.settings = settings
         self.seed = seed
+        self.start = tuple(start)
         self.population: list[Individual] = []
         self.generation = -1
         self.evaluations = 0
@@ -101,7 +109,7 @@ class Evolution:
             if self.population:
                 self._children = [self._child(rng) for _ in range(s.population - s.elite)]
             else:
-                self._children = [random_genome(rng, s.units, s.extent) for _ in range(s.population)]
+                self._children = self._first(rng)
             known = self._known()
             self._asked = list({genome.key(): genome for genome in self._children if genome.key() not in known}.values())
         return self._asked
@@ -132,11 +140,25 @@ class Evolution:
         genome = self.population[tournament(fitness, rng, s.tournament)].genome
         if rng.random() < s.crossover:
             genome = crossover(genome, self.population[tournament(fitness, rng, s.tournament)].genome, rng)
+        return self._mutant(genome, rng)
+
+    def _first(self, rng: np.random.Generator) -> list[Genome]:
+        s, given = self.settings, list(self.start[: self.settings.population])
+        count = round(s.start_share * s.population) if given else 0
+        others = [self._mutant(given[k % len(given)], rng) for k in range(len(given), count)]
+        others += [random_genome(rng, s.units, s.extent) for _ in range(s.population - len(given) - len(others))]
+        return given + [scatter_scent(genome, rng, s.scent_extent) if s.scent_extent else genome for genome in others]
+
+    def _mutant(self, genome: Genome, rng: np.random.Generator) -> Genome:
+        s = self.settings
         if rng.random() < s.duplication:
             genome = duplicate(genome, rng, s.run_length)
         if rng.random() < s.deletion:
             genome = delete(genome, rng, s.run_length)
-        return flip(mutate_points(genome, rng, s.point_mutation, s.point_scale), rng, s.flip)
+        genome = flip(mutate_points(genome, rng, s.point_mutation, s.point_scale), rng, s.flip)
+        if s.scent_mutation and rng.random() < s.scent_mutation:
+            genome = mutate_scent(genome, rng, s.point_scale)
+        return genome
 
     def _statistics(self, improved: bool) -> Generation:
         fitness = [one.evaluation.fitness for one in self.population]

@@ -15,6 +15,7 @@ from evodevo_sim.gait import GaitError, analyse, track_of_performance
 from evodevo_sim.gait.table import headline
 from evodevo_sim.messages import gait_message
 from evodevo_sim.nodes.common import stay_on_this_host
+from evodevo_sim.nodes.own import OwnSimulators
 from evodevo_sim.recording import Recorder, RecordingError, record_performance
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
@@ -23,7 +24,7 @@ from tqdm import tqdm
 from .arguments import Options, cores, parse
 from .auditor import Auditor, Finding
 from .evolution import Evolution, Individual
-from .fleet import Fleet, FleetError, OwnSimulators, find_simulators
+from .fleet import Fleet, FleetError, find_simulators
 from .messages import audit_message, champion_message, evolution_message, statistics_message
 
 _DISCOVERY_OF_ALL = 4.0  # s from the node's start in which simulators are found if one is: DDS announces every 3 s
@@ -86,7 +87,7 @@ class _Run:
         self.auditor: Auditor  # set before `go`
         self.champion: Individual | None = None  # the one recorded last; drift may put its equals before it
         self.verdict = _NOT_AUDITED  # on it
-        self.evolution = Evolution(options.settings, options.seed)
+        self.evolution = Evolution(options.settings, options.seed, options.start)
 
     def go(self) -> int:
         try:
@@ -99,7 +100,7 @@ class _Run:
 
     def _find_simulators_and_evolve(self) -> None:
         o = self.options
-        self.recorder.write("evolution/settings", evolution_message(o.settings, o.task, o.seed), time.time_ns(), latched=True)
+        self.recorder.write("evolution/settings", evolution_message(o.settings, o.task, o.seed, o.start), time.time_ns(), latched=True)
         services = [] if o.simulators else self._find()
         if services:
             print(f"Evolving on {len(services)} simulators of the graph: {', '.join(services)}; recording to {o.out}", flush=True)
@@ -110,7 +111,7 @@ class _Run:
                     raise
                 print("They do not answer.")
         count = o.simulators or cores()
-        with OwnSimulators(count, o.out / "simulators.log", o.task.name) as own:
+        with OwnSimulators(count, o.out / "simulators.log", task=o.task.name) as own:
             print(f"Evolving on {count} simulators of our own; recording to {o.out}", flush=True)
             self._evolve(Fleet(self.node, self.executor, own.services), _START, own.alive)
 

@@ -1,12 +1,7 @@
-"""Simulator nodes as one evaluator: finds them on the graph or starts them, and shares a generation's genomes among them."""
+"""Simulator nodes as one evaluator: finds them on the graph, and shares a generation's genomes among them."""
 
 from __future__ import annotations
 
-import ctypes
-import os
-import signal
-import subprocess
-import sys
 import time
 from collections import deque
 from dataclasses import dataclass
@@ -121,51 +116,3 @@ class Fleet:
         if not self._servers:
             raise FleetError(f"no simulator is left, the last one was {server.srv_name}: {reason}: run again with --simulators 2 to start two")
         self._node.get_logger().warning(f"going on without simulator {server.srv_name}: {reason}")
-
-
-class OwnSimulators:
-    """Simulator nodes of this process's own, as a context: started together, ended by their ids, and with us if we are killed."""
-
-    def __init__(self, count: int, log_path: str | os.PathLike | None = None, task: str = Task.name):
-        self._task = task
-        self.namespace = f"/_evolve_{os.getpid()}"
-        self._count = count
-        self._log_path = log_path
-        self._processes: list[subprocess.Popen] = []
-
-    @property
-    def services(self) -> list[str]:
-        return [f"{self.namespace}/sim_{i}/evaluate" for i in range(self._count)]
-
-    def alive(self) -> bool:
-        return all(process.poll() is None for process in self._processes)
-
-    def __enter__(self):
-        log = open(self._log_path or os.devnull, "ab")
-        with log:
-            for i in range(self._count):
-                command = [sys.executable, "-m", "evodevo_sim.nodes.simulator", "--ros-args", "-r", f"__ns:={self.namespace}/sim_{i}"]
-                command += ["-p", f"task:={self._task}"]
-                # A session of their own: Ctrl-C reaches us alone, and we end them in good order.
-                self._processes.append(
-                    subprocess.Popen(
-                        command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True, preexec_fn=_end_with_parent
-                    )
-                )
-        return self
-
-    def __exit__(self, *_):
-        for process in self._processes:
-            process.terminate()
-        deadline = time.monotonic() + 5.0
-        for process in self._processes:
-            try:
-                process.wait(max(0.0, deadline - time.monotonic()))
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
-
-
-def _end_with_parent():
-    PR_SET_PDEATHSIG = 1
-    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)

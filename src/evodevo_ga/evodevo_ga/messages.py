@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict
 
 from evodevo_msgs import msg
-from evodevo_sim import Task, __version__
+from evodevo_sim import Genome, Task, __version__
 from evodevo_sim.messages import evaluation_message, genome_message, task_message, time_message
 
 from .auditor import Finding
 from .evolution import Generation, Individual, Settings
 
 
-def evolution_message(settings: Settings, task: Task, seed: int) -> msg.Evolution:
-    return msg.Evolution(version=__version__, task=task_message(task), seed=seed, **asdict(settings))
+def evolution_message(settings: Settings, task: Task, seed: int, start: Sequence[Genome] = ()) -> msg.Evolution:
+    genomes = [genome_message(genome) for genome in start]
+    return msg.Evolution(version=__version__, task=task_message(task), seed=seed, start=genomes, **asdict(settings))
 
 
 def statistics_message(generation: Generation, evaluations_per_second: float, seconds: float) -> msg.GenerationStatistics:

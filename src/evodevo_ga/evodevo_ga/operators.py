@@ -6,7 +6,10 @@ The header of special elements is never moved, copied or deleted; its points mut
 from __future__ import annotations
 
 import numpy as np
-from evodevo_sim.genome import HEADER, MORPHOGEN, TRANSCRIPTION_FACTOR, Genome
+from evodevo_sim.genome import HEADER, INPUT_NAMES, MORPHOGEN, TRANSCRIPTION_FACTOR, Genome
+
+SCENT = INPUT_NAMES.index("scent")
+_SIGN_TOO = 0.1
 
 
 def mutate_points(genome: Genome, rng: np.random.Generator, probability: float, scale: float) -> Genome:
@@ -17,6 +20,24 @@ def mutate_points(genome: Genome, rng: np.random.Generator, probability: float, 
     direction = rng.uniform(0.0, 2.0 * np.pi, len(genome))
     length = np.where(moved, np.abs(rng.normal(0.0, scale, len(genome))), 0.0)
     return Genome(genome.kind, genome.sign, genome.x + length * np.cos(direction), genome.y + length * np.sin(direction))
+
+
+def scatter_scent(genome: Genome, rng: np.random.Generator, extent: float) -> Genome:
+    """Put the scent's point anywhere in [-extent, extent]^2."""
+    x, y = genome.x.copy(), genome.y.copy()
+    x[SCENT], y[SCENT] = rng.uniform(-extent, extent, 2)
+    return Genome(genome.kind, genome.sign, x, y)
+
+
+def mutate_scent(genome: Genome, rng: np.random.Generator, scale: float) -> Genome:
+    """Move the scent's point, in a random direction by |N(0, scale)|; one time in ten its sign changes, too."""
+    direction, length = rng.uniform(0.0, 2.0 * np.pi), abs(rng.normal(0.0, scale))
+    x, y, sign = genome.x.copy(), genome.y.copy(), genome.sign.copy()
+    x[SCENT] += length * np.cos(direction)
+    y[SCENT] += length * np.sin(direction)
+    if rng.random() < _SIGN_TOO:
+        sign[SCENT] = -sign[SCENT]
+    return Genome(genome.kind, sign, x, y)
 
 
 def flip(genome: Genome, rng: np.random.Generator, probability: float) -> Genome:

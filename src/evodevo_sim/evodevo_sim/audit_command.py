@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import sys
-from pathlib import Path
 
 from .audit import MOST_CHANGE, Audit, audit
+from .champion import champion_of
 from .command_line import Parser, pairs, say_if_compiling
 from .energy import LEDGER
-from .genome import Genome, GenomeError
-from .genome_file import load_genome
-from .messages import genome_from_message, task_from_message
+from .genome import GenomeError
 from .nodes.common import without_ros
-from .parameters import TASKS, ParameterError, Task, default_task, with_settings
-from .recording import RecordingError, read_recording
+from .parameters import TASKS, ParameterError
+from .recording import RecordingError
 from .walk_audit import MOST_CHANGE as MOST_WALK_CHANGE
 
 _EPILOG = """\
@@ -42,35 +40,19 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         if given.within is not None and not 0.0 < given.within <= 1.0:
             raise ParameterError(f"--within is {given.within!r}: give a number above 0, up to 1")
-        genome, task, seed, recorded = _champion(given)
+        champion = champion_of(given.source, pairs(given.set), given.task)
         say_if_compiling("trajectory.repeat")
-        result = audit(genome, task, seed, given.within)
+        result = audit(champion.genome, champion.task, champion.seed, given.within)
     except (GenomeError, ParameterError, RecordingError) as error:
         parser.exit(2, f"{parser.prog}: {error}\n")
     faults = list(result.faults)
+    recorded = champion.fitness
     if recorded is not None and recorded != result.evaluation.fitness:
         now = result.evaluation.fitness
         faults.insert(0, f"recorded was {recorded:.6g}, here it is {now:.6g}: another version or machine made it")
     print(table(result))
     print("The fitness stands." if not faults else "The fitness does not stand:\n" + "\n".join(f"  {fault}" for fault in faults))
     return 1 if faults else 0
-
-
-def _champion(given) -> tuple[Genome, Task, int, float | None]:
-    """(genome, task, seed, recorded fitness or None)."""
-    path = Path(given.source)
-    if not path.is_dir() and path.suffix != ".mcap":
-        return load_genome(path), with_settings(default_task(given.task), pairs(given.set)), 0, None
-    if given.set:
-        raise ParameterError("--set is for a genome file: a recording names its own task")
-    recording = read_recording(path)
-    if recording.settings is None or not recording.champions:
-        raise RecordingError(f"{path} holds no champion: give a run of evolve, or a genome file")
-    champion = recording.champions[-1]
-    return (
-        genome_from_message(champion.genome), task_from_message(recording.settings.task), recording.settings.seed,
-        champion.evaluation.fitness,
-    )
 
 
 def table(result: Audit) -> str:

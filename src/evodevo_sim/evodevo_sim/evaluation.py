@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import swim_task, walk_task
+from . import chemotaxis_task, swim_task, walk_task
 from ._jit import is_compiled, remove_old_caches
 from .body import build_body
 from .genome import Genome, random_genome
@@ -16,8 +16,8 @@ from .parameters import Task
 from .swim_task import kernel_arguments
 
 # Every task: run(genome, task, seed, finer, track, traces) -> Evaluation
-_RUN = {"swim": swim_task.run, "walk": walk_task.run}
-_KERNEL = {"swim": "swim.swim", "walk": "walk.walk"}
+_RUN = {"swim": swim_task.run, "walk": walk_task.run, "chemotaxis": chemotaxis_task.run}
+_KERNEL = {"swim": "swim.swim", "walk": "walk.walk", "chemotaxis": "chemotaxis.trials"}
 _NOT_KEPT = np.empty((0, 0, 0)), np.empty((0, 0))
 
 
@@ -30,6 +30,7 @@ class Performance:
         growth (S + 1, N, 2) m, growth_activation (S + 1, N), growth_edges: list of (E, 2) per step.
         body: see `body.Body`, or None where nothing grew.
         time (T + 1,) s; position, velocity (T + 1, N, 2); activation (T + 1, N) of e - c.
+        target: (x, y) m of the target that it swims towards, on the left of its way without one; None where there is none.
     """
 
     evaluation: Evaluation
@@ -41,6 +42,7 @@ class Performance:
     position: np.ndarray
     velocity: np.ndarray
     activation: np.ndarray
+    target: tuple[float, float] | None = None
 
 
 def evaluate(genome: Genome, task: Task = Task(), seed: int = 0) -> Evaluation:
@@ -49,7 +51,7 @@ def evaluate(genome: Genome, task: Task = Task(), seed: int = 0) -> Evaluation:
     Args:
         genome: see `Genome`.
         task: what for.
-        seed: of whatever the task draws at random; of walking, the orientations at birth; swimming draws nothing.
+        seed: of whatever the task draws at random: noise, where there is any, and of walking the orientations at birth.
     """
     return _RUN[task.name](genome, task, seed, 1, *_NOT_KEPT)
 
@@ -84,6 +86,7 @@ def perform(genome: Genome, task: Task = Task(), seed: int = 0, finer: int = 1) 
     track = np.full((task.control_steps + 1, cells, 4), np.nan)
     traces = np.full((task.control_steps + 1, cells), np.nan)
     evaluation = _RUN[task.name](genome, task, seed, finer, track, traces)
+    steering = evaluation.metrics.steering
     return Performance(
         evaluation=evaluation,
         growth=growth[:, :cells],
@@ -94,4 +97,5 @@ def perform(genome: Genome, task: Task = Task(), seed: int = 0, finer: int = 1) 
         position=track[..., :2].copy(),
         velocity=track[..., 2:].copy(),
         activation=traces,
+        target=(steering.left_x, steering.left_y) if steering.distance else None,
     )

@@ -14,6 +14,7 @@ from .genome import Genome
 from .life import birth
 from .outcome import FAILURE, STIFF, Status
 from .parameters import ParameterError, Task
+from .scent import make_signals, scent_row
 from .swim import live
 from .swim_task import kernel_arguments
 
@@ -37,7 +38,7 @@ class Animat:
         position (N, 2) m, velocity (N, 2) m/s, activation (N,) of e - c: read-only views of the present state.
         steps: control steps lived; time: s of them.
         status: OK; RESTING, when nothing will ever change again; UNSTABLE or INVERTED, after which it stays as it is.
-        target: (x, y) m, or None; no network reads it yet.
+        target: (x, y) m, whose scent the cells sense from the next step on if the task has targets; or None.
     """
 
     def __init__(self, genome: Genome, task: Task = Task(), seed: int = 0):
@@ -72,10 +73,21 @@ class Animat:
             task = self.task
             status, _ = _LIVE[task.name](
                 self._mover, self.steps, self.steps + 1, task.control_step, task.development.arguments(),
-                task.development.variant == "continual_graph", _NOT_KEPT, _NO_TRACK, _NOT_KEPT,
+                task.development.variant == "continual_graph", *self._signals(), _NOT_KEPT, _NO_TRACK, _NOT_KEPT,
             )
-            self.status = Status(status)
+            rests = status == Status.RESTING and not task.has_target  # a target may come and wake it
+            self.status = Status.OK if status == Status.RESTING and not rests else Status(status)
         self.steps += 1
+
+    def _signals(self):
+        """What `live` takes besides: scent and noise, which swimmers alone have."""
+        if self.task.name == "walk":
+            return ()
+        task, target = self.task, self.target if self.task.has_target else None
+        if task.has_target and target is None:
+            self._life.table[scent_row(self._life.units)] = 0.0
+        scent = task.chemotaxis
+        return (make_signals(target, scent.scent_peak, scent.scent_reach, task.noise.arguments(), self.seed),)
 
 
 def _begin_swim(genome, task, _seed):
@@ -85,8 +97,8 @@ def _begin_swim(genome, task, _seed):
 
 
 # By task: begin(genome, task, seed) -> (status, what live moves, Life); live: see `swim.live`
-_BEGIN = {"swim": _begin_swim, "walk": walk_task.begin}
-_LIVE = {"swim": live, "walk": walk_task.live}
+_BEGIN = {"swim": _begin_swim, "chemotaxis": _begin_swim, "walk": walk_task.begin}
+_LIVE = {"swim": live, "chemotaxis": live, "walk": walk_task.live}
 
 
 def _read_only(array):
@@ -116,11 +128,14 @@ class Stage:
         self._thread = threading.Thread(target=self._run, name="stage", daemon=True)
         self._thread.start()
 
-    def load(self, animat: Animat, real_time_factor: float) -> None:
-        """Replace the animat; the last target stays.  Args: real_time_factor: simulated s per s; 0 is as fast as it goes."""
+    def load(self, animat: Animat, real_time_factor: float) -> bool:
+        """Replace the animat; the last target stays.  Args: real_time_factor: simulated s per s; 0 is as fast as it goes.
+
+        Returns whether another one lived until then.
+        """
         if not 0.0 <= real_time_factor <= 1e6:
             raise ParameterError(f"real_time_factor is {real_time_factor!r}: give a number up to 1e6, or 0 for as fast as it goes")
-        self._do(lambda: self._enter(animat, animat.task.control_step / real_time_factor if real_time_factor else 0.0))
+        return self._do(lambda: self._enter(animat, animat.task.control_step / real_time_factor if real_time_factor else 0.0))
 
     def pause(self, paused: bool) -> bool:
         """Hold the animat, or let it go on.  Returns whether there is one."""
@@ -131,8 +146,11 @@ class Stage:
         return self._do(lambda: self._animat is not None and self._enter(self._animat, self._interval, anew=True))
 
     def aim(self, target: tuple[float, float] | None) -> None:
-        """Set the target of this animat and of those to come."""
-        self._do(lambda: self._aim(target))
+        """Set the target of this animat and of those to come, from the next control step on.
+
+        Nobody waits: however often this is called, the animat keeps its pace.
+        """
+        self._target = target
 
     def close(self) -> None:
         """End the thread.  Nothing is shown afterwards."""
@@ -163,6 +181,7 @@ class Stage:
     def _step(self):
         self._due = max(self._due + self._interval, time.monotonic() - _CATCH_UP)
         try:
+            self._animat.target = self._target
             self._animat.step()
             if self._animat.steps % self.every == 0:
                 self._show(self._animat)
@@ -176,17 +195,13 @@ class Stage:
     def _enter(self, animat, interval, anew=False):
         if anew:
             animat.reset()
+        others = self._animat is not None
         animat.target = self._target
         self._animat, self._interval, self._due = animat, interval, time.monotonic() + interval
         self._show(animat)
-        return True
+        return anew or others
 
     def _hold(self, paused):
         self._paused = paused
         self._due = time.monotonic() + self._interval
         return self._animat is not None
-
-    def _aim(self, target):
-        self._target = target
-        if self._animat is not None:
-            self._animat.target = target

@@ -12,6 +12,7 @@ from dataclasses import fields, is_dataclass
 import numpy as np
 from builtin_interfaces.msg import Time
 from evodevo_msgs import msg
+from geometry_msgs.msg import PoseStamped
 from std_msgs.msg import Header
 
 from .genome import Genome
@@ -90,6 +91,14 @@ def cell_states_message(position, velocity, activation, step: int, stamp: float,
         velocity_y=_array("d", velocity[:, 1]),
         activation=_array("d", activation),
     )
+
+
+def target_message(target, stamp: Time, frame: str = "world") -> PoseStamped:
+    """A target.  Args: target: (x, y) m."""
+    message = PoseStamped(header=Header(stamp=stamp, frame_id=frame))
+    message.pose.position.x, message.pose.position.y = float(target[0]), float(target[1])
+    message.pose.orientation.w = 1.0
+    return message
 
 
 def body_message(body, frame: str = "world", stamp: float = 0.0) -> msg.Body:

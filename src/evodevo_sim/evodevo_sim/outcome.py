@@ -37,6 +37,25 @@ FAILURE = {
 
 
 @dataclass(frozen=True)
+class Steering:
+    """What the tests with targets measured; units as in `evodevo_msgs/Steering`.  All 0 where there was none."""
+
+    distance: float = 0.0
+    left_x: float = 0.0
+    left_y: float = 0.0
+    right_x: float = 0.0
+    right_y: float = 0.0
+    left_distance: float = 0.0
+    right_distance: float = 0.0
+    left_gain: float = 0.0
+    right_gain: float = 0.0
+    left_turn: float = 0.0
+    right_turn: float = 0.0
+    left_active: float = 0.0
+    right_active: float = 0.0
+
+
+@dataclass(frozen=True)
 class Metrics:
     """What was measured; units as in `evodevo_msgs/Metrics`."""
 
@@ -50,6 +69,7 @@ class Metrics:
     activation_amplitude: float = 0.0
     settling_steps: int = 0
     worst_start: float = 0.0
+    steering: Steering = Steering()
 
 
 @dataclass(frozen=True)

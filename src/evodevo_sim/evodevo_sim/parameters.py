@@ -116,6 +116,30 @@ class Scene(Checked):
 
 
 @dataclass(frozen=True)
+class Noise(Checked):
+    """Standard deviations of what is added at each control step; 0 takes no time and changes no bit."""
+
+    sensing: float = parameter(0.0, 0.0, 100.0, "", "of each cell's scent, which stays between 0 and its peak")
+    concentrations: float = parameter(0.0, 0.0, 1.0, "", "of each cell's concentrations, which stay in [0, 1]")
+    actuation: float = parameter(0.0, 0.0, 2.0, "", "of each muscle's e - c as the body gets it, which stays in [-1, 1]")
+
+
+@dataclass(frozen=True)
+class Chemotaxis(Checked):
+    """The scent of a target, and the tests of chemotaxis (paper section 4.3)."""
+
+    scent_peak: float = parameter(10.0, 0.0, 1e3, "", "scent at the target")
+    scent_reach: float = parameter(25.0, 1e-3, 1e6, "m", "distance at which the scent has fallen to 0")
+    distance: float = parameter(12.0, 1e-3, 1e6, "m", "of the targets from the centre of mass at birth")
+    angle: float = parameter(math.pi / 2, 0.0, math.pi, "rad", "of the targets from the way that it swims without one, to either side")
+    pairs: int = parameter(1, 1, 100, "", "of targets, one on the left and one on the right each")
+    spread: float = parameter(0.3, 0.0, 0.9, "", "of pairs: the last one's angle is larger, its distance smaller by this share, the first one's the other way")
+    least_distance: float = parameter(1.0, 0.0, 1e6, "m", "to swim without a target, before it is tested with targets")
+    turning_weight: float = parameter(4.0, 0.0, 1e6, "", "of metres that turning has brought it nearer to both targets")
+    approach_weight: float = parameter(8.0, 0.0, 1e6, "", "of metres that it is nearer to both targets than at birth")
+
+
+@dataclass(frozen=True)
 class Task(Checked):
     """What a genome is evaluated for: growth, then locomotion in a scene (paper section 4)."""
 
@@ -123,6 +147,8 @@ class Task(Checked):
     development: Development = Development()
     material: Material = Material()
     scene: Scene = Scene()
+    noise: Noise = Noise()
+    chemotaxis: Chemotaxis = Chemotaxis()
     control_steps: int = parameter(2000, 1, 10_000_000, "", "of locomotion, one regulation step each")
     control_step: float = parameter(1 / 60, 1e-9, 1.0, "s", "duration of a control step")
     windows: int = parameter(4, 2, 1000, "", "equal parts of the run, an even number, of which the slowest counts")
@@ -139,13 +165,21 @@ class Task(Checked):
             raise ParameterError(f"task {self.name!r} is unknown: choose one of {', '.join(TASKS)}")
         if self.windows % 2:
             raise ParameterError(f"task.windows is {self.windows}: give an even number, so that the run has two halves")
+        if self.name == "walk" and any(dataclasses.astuple(self.noise)):
+            raise ParameterError("noise is for swimmers alone: leave it at 0 where the task is walk")
         if self.control_steps % self.windows:
             raise ParameterError(f"task.control_steps is {self.control_steps}: give a multiple of the {self.windows} windows")
+
+    @property
+    def has_target(self) -> bool:
+        """Whether the scene has a target, whose scent reaches the network."""
+        return self.name == "chemotaxis"
 
 
 # What differs from the defaults above, by task.
 _OF_TASK: dict[str, dict[str, object]] = {
     "swim": {},
+    "chemotaxis": {},
     "walk": {"scene.drag_normal": 0.0, "scene.drag_tangential": 0.0, "scene.gravity": 5.0, "scene.friction": 0.8},
 }
 TASKS = tuple(_OF_TASK)
@@ -204,4 +238,7 @@ DevelopmentArguments = _argument_type(Development)
 MaterialArguments = _argument_type(Material)
 SceneArguments = _argument_type(Scene)
 TaskArguments = _argument_type(Task)
+NoiseArguments = _argument_type(Noise)
+ChemotaxisArguments = _argument_type(Chemotaxis)
 ARGUMENTS = {Development: DevelopmentArguments, Material: MaterialArguments, Scene: SceneArguments, Task: TaskArguments}
+ARGUMENTS |= {Noise: NoiseArguments, Chemotaxis: ChemotaxisArguments}

@@ -15,6 +15,7 @@ from .development import REST
 from .life import INVERTED_CHAMBER, OK, RESTING, UNSTABLE_PHYSICS, birth, centre_of_mass, keep, rests, think
 from .physics import INVERTED, SOUND, advance, substeps_in_drag
 from .regulation import unrest
+from .scent import disturb, sense
 
 _LOOK = 50  # control steps between looks at whether all rests
 
@@ -25,10 +26,11 @@ Swim = namedtuple("Swim", "status failed_step path amplitude active substeps cel
 
 
 @lean
-def live(life, step, until, seconds, development, continual, range_of_muscle, track, traces):
+def live(life, step, until, seconds, development, continual, signals, range_of_muscle, track, traces):
     """Live from one control step to another, in place: each is one regulation step, then the body for as many seconds.
 
-    Args: range_of_muscle (2, N): least and most e - c, widened, or empty; track and traces as for `swim`.
+    Args: signals: see `scent.Signals`; range_of_muscle (2, N): least and most e - c, widened, or empty; track and traces as for
+        `swim`.
 
     Returns: (status, step reached): OK; RESTING, seen now and then: nothing will ever change again; or UNSTABLE_PHYSICS or
     INVERTED_CHAMBER in that step.
@@ -39,7 +41,11 @@ def live(life, step, until, seconds, development, continual, range_of_muscle, tr
     while step < until:
         if track.size:
             keep(life, track[step], traces[step])
+        if signals.target.size:
+            sense(life, signals, step)
         think(life, step, development, continual)
+        if signals.noise.size:
+            disturb(life, signals, step)
         substeps = life.finer * substeps_in_drag(body, law, position, velocity, seconds, life.substeps, scratch)
         outcome = advance(body, law, rest, position, velocity, seconds, substeps, scratch)
         if outcome != SOUND:
@@ -50,18 +56,19 @@ def live(life, step, until, seconds, development, continual, range_of_muscle, tr
             for i in range(cells):
                 least[i] = muscle[i] if muscle[i] < least[i] else least[i]
                 most[i] = muscle[i] if muscle[i] > most[i] else most[i]
-        if continual and step % _LOOK == 0 and unrest(network, table, drive, cells) < REST:
+        if continual and step % _LOOK == 0 and not signals.noise.size and unrest(network, table, drive, cells) < REST:
             if rests(body, law, rest, position, velocity, scratch):
                 return RESTING, step
     return OK, step
 
 
 @kernel
-def swim(genome, task, development, continual, material, scene, given_inputs, finer, track, traces):
+def swim(genome, task, development, continual, material, scene, given_inputs, finer, signals, track, traces):
     """Evaluate a genome: growth and the whole swim in one call.
 
     Args:
-        genome: (kind, sign, x, y); finer: see `birth`; the others: arguments of the parameter classes.
+        genome: (kind, sign, x, y); finer: see `birth`; signals: see `scent.Signals`; the others: arguments of the parameter
+            classes.
         track: (control_steps + 1, max_cells, 4) for x, y, vx, vy of every cell, or empty; traces: the same of e - c.
 
     Returns: Swim.
@@ -82,7 +89,7 @@ def swim(genome, task, development, continual, material, scene, given_inputs, fi
     for window in range(task.windows):
         range_of_muscle[0], range_of_muscle[1] = np.inf, -np.inf
         status, step = live(
-            life, step, step + length, task.control_step, development, continual, range_of_muscle, track, traces
+            life, step, step + length, task.control_step, development, continual, signals, range_of_muscle, track, traces
         )
         path[window + 1 :, 0], path[window + 1 :, 1] = centre_of_mass(position, body.inverse_mass)
         if status != OK:

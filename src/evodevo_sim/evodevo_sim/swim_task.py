@@ -7,12 +7,13 @@ import numpy as np
 from .genome import INPUT_NAMES, Genome
 from .outcome import FAILURE, STIFF, Evaluation, Metrics, Status, failure
 from .parameters import Task
+from .scent import make_signals
 from .swim import swim
 
 
 def given_inputs(task: Task) -> np.ndarray:
-    """Which input signals the scene of a task has: none has a scent yet."""
-    return np.array([name != "scent" for name in INPUT_NAMES])
+    """Which input signals the scene of a task has: there is a scent where there is a target."""
+    return np.array([name != "scent" or task.has_target for name in INPUT_NAMES])
 
 
 def kernel_arguments(genome: Genome, task: Task):
@@ -24,8 +25,9 @@ def kernel_arguments(genome: Genome, task: Task):
 
 
 def run(genome: Genome, task: Task, seed: int, finer: int, track, traces) -> Evaluation:
-    """Evaluate a swimmer.  Args: finer, track, traces: see `swim.swim`; seed: swimming draws nothing at random."""
-    return score(swim(*kernel_arguments(genome, task), finer, track, traces), task)
+    """Evaluate a swimmer.  Args: finer, track, traces: see `swim.swim`; seed: of the noise, if there is any."""
+    signals = make_signals(noise=task.noise.arguments(), seed=seed)
+    return score(swim(*kernel_arguments(genome, task), finer, signals, track, traces), task)
 
 
 def slowest_progress(path: np.ndarray) -> float:

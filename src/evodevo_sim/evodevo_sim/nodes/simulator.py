@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+import time
 
 from evodevo_msgs.msg import Body, CellStates
 from evodevo_msgs.srv import Evaluate, Load
@@ -11,6 +12,7 @@ from geometry_msgs.msg import PoseStamped
 from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
+from rclpy.time import Time
 from std_srvs.srv import SetBool, Trigger
 
 from ..command_line import Parser
@@ -43,6 +45,9 @@ class Simulator(Node):
         every = self.declare_parameter("publish_every", 1, _fixed("control steps between cell states", 1, 100_000)).value
         first = self.declare_parameter("task", TASKS[0], _fixed("task whose first request does not wait")).value
         prepare(default_task(first), self.get_logger().info)
+        self._oldest = self.declare_parameter("target_age", 1.0, _fixed("s, of the oldest target that counts")).value
+        self._newest = 0  # ns, stamp of the last target
+        self._warned: dict[str, float] = {}
 
         self._body = self.create_publisher(Body, "body", LATCHED)
         self._states = self.create_publisher(CellStates, "cell_states", qos_profile_sensor_data)
@@ -82,11 +87,12 @@ class Simulator(Node):
     def _load(self, request, response):
         try:
             animat = Animat(genome_from_message(request.genome), task_from_message(request.task), request.seed)
-            self._stage.load(animat, request.real_time_factor)
+            replaced = self._stage.load(animat, request.real_time_factor)
         except (GenomeError, ParameterError, NotViable) as error:
             response.message = str(error)
             return response
-        response.success, response.message = True, f"an animat of {len(animat.position)} cells lives"
+        instead = ", instead of the one before" if replaced else ""
+        response.success, response.message = True, f"an animat of {len(animat.position)} cells lives{instead}"
         return response
 
     def _pause(self, request, response):
@@ -100,16 +106,27 @@ class Simulator(Node):
         return response
 
     def _aim(self, message):
-        point = message.pose.position
+        point, stamp = message.pose.position, Time.from_msg(message.header.stamp).nanoseconds
+        age = (self.get_clock().now().nanoseconds - stamp) * 1e-9 if stamp else 0.0  # a stamp of 0 is none
         if message.header.frame_id != self._frame:
-            self._warn(f"target in frame {message.header.frame_id!r} ignored: give it in {self._frame!r}")
+            self._warn("frame", f"target in frame {message.header.frame_id!r} ignored: give it in {self._frame!r}")
         elif not (math.isfinite(point.x) and math.isfinite(point.y)):
-            self._warn(f"target at ({point.x}, {point.y}) ignored: give finite metres")
+            self._warn("number", f"target at ({point.x}, {point.y}) ignored: give finite metres")
+        elif age > self._oldest:
+            self._warn("past", f"target of {age:.3g} s ago ignored: stamp it with the time at which it is sent, or with 0")
+        elif age < -self._oldest:
+            self._warn("future", f"target of {-age:.3g} s in the future ignored: stamp it with the time at which it is sent, or with 0")
+        elif stamp and stamp < self._newest:
+            self._warn("order", f"target older than the last one by {(self._newest - stamp) * 1e-9:.3g} s ignored: send targets in order")
         else:
+            self._newest = max(self._newest, stamp)
             self._stage.aim((point.x, point.y))
 
-    def _warn(self, text):
-        self.get_logger().warning(text, throttle_duration_sec=_WARN_EVERY)
+    def _warn(self, kind, text):
+        now = time.monotonic()
+        if now >= self._warned.get(kind, -math.inf) + _WARN_EVERY:
+            self._warned[kind] = now
+            self.get_logger().warning(text)
 
     def _show(self, animat):
         """In the stage's thread: publish what somebody listens to."""
@@ -151,13 +168,14 @@ names in the namespace:
             pause     std_srvs/srv/SetBool        hold the animat, or let it go on
             reset     std_srvs/srv/Trigger        back to birth
   topics    body, cell_states                     of the live animat; body is latched
-            target_pose (subscribed)              geometry_msgs/PoseStamped
+            target_pose (subscribed)              geometry_msgs/PoseStamped; the last good one holds
 
 parameters, e.g. -p publish_every:=4
   frame_id       world   frame of positions and targets
   max_batch      1000    genomes in one request, at the most
   publish_every  1       control steps between cell states
   task           swim    task whose first request does not wait for kernels
+  target_age     1.0     s, of the oldest target that counts; one with a stamp of 0 always does
 
 Nothing leaves this host unless ROS_AUTOMATIC_DISCOVERY_RANGE says so.
 """

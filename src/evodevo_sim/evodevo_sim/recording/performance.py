@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..evaluation import Performance
-from ..messages import body_message, cell_states_message, graph_message
+from ..messages import body_message, cell_states_message, graph_message, target_message, time_message
 
 
 def record_performance(recorder, performance: Performance, stamp: int) -> None:
@@ -27,6 +27,9 @@ def record_performance(recorder, performance: Performance, stamp: int) -> None:
         return
     born = len(performance.growth) * step
     recorder.write("body", body_message(performance.body, stamp=born), stamp + round(born * 1e9), latched=True)
+    if performance.target is not None:
+        target = target_message(performance.target, time_message(born))
+        recorder.write("target_pose", target, stamp + round(born * 1e9), latched=True)
     states = zip(performance.time, performance.position, performance.velocity, performance.activation)
     for k, (time, position, velocity, activation) in enumerate(states):
         if np.isfinite(position[0, 0]):

@@ -10,12 +10,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from evodevo_msgs import msg
+from geometry_msgs.msg import PoseStamped
 from mcap.exceptions import InvalidMagic, McapError
 from mcap.reader import NonSeekingReader
 from rclpy.serialization import deserialize_message
 from zstandard import ZstdError
 
-from .definitions import RecordingError, definition
+from .definitions import RecordingError, definition, type_name
 
 # What a missing end, or damage, can set off in the MCAP reader, decompression and ROS's deserialisation.
 _DAMAGE = (McapError, ZstdError, struct.error, RuntimeError, ValueError, KeyError, EOFError, MemoryError)
@@ -28,7 +29,8 @@ class Recording:
 
     Attributes: settings: Evolution; statistics: GenerationStatistics; champions: Champion; audits: Audit, of those champions
     that the run got to; growth and states: CellStates; growth_bodies: Body, where the embryo's graph changed; body: Body;
-    gait: Gait of the states; truncated: whether the end is missing, or damaged.
+    gait: Gait of the states; targets: PoseStamped; targets_from: for each of them, how many states came before it; truncated:
+    whether the end is missing, or damaged.
     """
 
     path: Path
@@ -40,6 +42,8 @@ class Recording:
     growth_bodies: list[msg.Body] = field(default_factory=list)
     body: msg.Body | None = None
     states: list[msg.CellStates] = field(default_factory=list)
+    targets: list[PoseStamped] = field(default_factory=list)
+    targets_from: list[int] = field(default_factory=list)
     gait: msg.Gait | None = None
     truncated: bool = False
 
@@ -51,6 +55,7 @@ _LISTS = {
     "/growth/cell_states": ("growth", msg.CellStates),
     "/growth/body": ("growth_bodies", msg.Body),
     "/cell_states": ("states", msg.CellStates),
+    "/target_pose": ("targets", PoseStamped),
 }
 _SINGLE = {
     "/evolution/settings": ("settings", msg.Evolution), "/body": ("body", msg.Body), "/gait": ("gait", msg.Gait),
@@ -125,7 +130,7 @@ def _choose(topic, schema, file, wanted):
         attribute, message_type = table[ending]
         if any(choice and choice[0] == attribute for choice in wanted.values()):
             return None
-        ours = definition(f"evodevo_msgs/msg/{message_type.__name__}")
+        ours = definition(type_name(message_type))
         if schema is None or _words(schema.data.decode(errors="replace")) != _words(ours):
             how = "replay it with the version that made it"
             raise RecordingError(f"{file}: {topic} was recorded with other message types: {how}")
@@ -142,5 +147,7 @@ def _keep(recording, data, attribute, message_type, many):
     message = deserialize_message(data, message_type)
     if many:
         getattr(recording, attribute).append(message)
+        if attribute == "targets":
+            recording.targets_from.append(len(recording.states))
     else:
         setattr(recording, attribute, message)

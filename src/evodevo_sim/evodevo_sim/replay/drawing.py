@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.collections import EllipseCollection, LineCollection, PolyCollection
+from matplotlib.patches import Circle
 
-from .colours import ACCENT, INK, QUIET, activation_colours, unit_rgb
-from .life import Life, Pose
+from .colours import ACCENT, INK, QUIET, SECOND, activation_colours, unit_rgb
+from .life import RINGS, Life, Pose
 
 DIAMETER = 1.0  # m, of a cell
 
@@ -50,7 +51,22 @@ def draw_swim(axes, life: Life, step: int) -> None:
     """Draw the body at a control step in its world, with the trail of its centre of mass."""
     draw_world(axes, life, step)
     draw_pose(axes, life.pose(step), life.springs, life.outline, life.chambers)
+    if len(life.target) and np.isfinite(life.target[step]).all():
+        draw_target(axes, life.target[step], life.reach)
     axes.plot(*life.centre[: step + 1].T, color=unit_rgb(ACCENT), linewidth=1.5, solid_capstyle="round", zorder=4)
+
+
+def draw_target(axes, target, reach: float) -> None:
+    """Draw a target, and rings around it where its scent has fallen by another fifth.  To be called when `frame` was.
+
+    Args: reach: m to where the scent ends; 0 if not known, then without rings.
+    """
+    limits = axes.get_xlim(), axes.get_ylim()
+    colour = unit_rgb(SECOND)
+    for ring in np.arange(1, RINGS + 1) / RINGS * reach if reach else ():
+        axes.add_patch(Circle(target, ring, fill=False, edgecolor=colour, linewidth=0.7, alpha=0.35, zorder=0, clip_on=True))
+    axes.plot(*target, "*", color=colour, mec="white", mew=0.8, ms=12, zorder=7)
+    axes.set(xlim=limits[0], ylim=limits[1])
 
 
 def frame(axes, low, high) -> None:

@@ -11,6 +11,8 @@ from ..parameters import ParameterError, Scene
 from ..recording import Recording, RecordingError
 from ..terrain import profile, touching
 
+RINGS = 5  # drawn around a target, where its scent has fallen by another fifth
+
 
 @dataclass(frozen=True, eq=False)
 class Pose:
@@ -27,6 +29,8 @@ class Life:
     Attributes:
         growth_time (S,) s; growth: S poses; growth_springs: S arrays (E, 2) of the embryo's graph.
         time (T,) s, running on from growth; position (T, N, 2) m; activation (T, N) of e - c.
+        target (T, 2) m, NaN while there is none, or (0, 2) where there never was one; reach: m to where its scent ends, 0 if
+            not known.
         velocity (T, N, 2) m/s.
         springs (E, 2), outline (M, 2): cell indices; chambers: arrays of cell indices, counter-clockwise.
         scene: the solid world of a walker, or None.
@@ -41,6 +45,8 @@ class Life:
     springs: np.ndarray = field(default_factory=lambda: np.empty((0, 2), int))
     outline: np.ndarray = field(default_factory=lambda: np.empty((0, 2), int))
     chambers: list[np.ndarray] = field(default_factory=list)
+    target: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))
+    reach: float = 0.0
     velocity: np.ndarray | None = None
     scene: Scene | None = None
 
@@ -71,6 +77,11 @@ class Life:
         way = self.centre - self.centre[:1]
         return np.hypot(*way.T) if self.scene is None else np.abs(way[:, 0])
 
+    @property
+    def target_distance(self) -> np.ndarray:
+        """(T,) m, of the centre of mass from the target; NaN while there is none."""
+        return np.hypot(*(self.centre - self.target).T)
+
     def pose(self, step: int) -> Pose:
         return Pose(self.position[step], self.activation[step])
 
@@ -81,10 +92,17 @@ def life_of(recording: Recording) -> Life:
     Raises RecordingError where bodies and states do not fit each other.
     """
     growth = _finite(_last_run(recording.growth))
-    states = _finite(_last_run(recording.states))
+    lived = _last_run(recording.states)
+    targets = _targets(recording, len(recording.states) - len(lived), len(lived))
+    sound = [_is_finite(state) for state in lived]
+    states = [state for state, fine in zip(lived, sound) if fine]
+    targets = targets[np.array(sound, bool)] if len(targets) else targets
     body = recording.body
     cells = body.cells if body is not None else len(states[-1].activation) if states else 0
-    states = [state for state in states if len(state.activation) == cells] if cells else []
+    fits = np.array([len(state.activation) == cells and cells > 0 for state in states], bool)
+    states = [state for state, fit in zip(states, fits) if fit]
+    targets = targets[fits] if len(targets) else targets
+    settings = recording.settings
     try:
         return Life(
             growth_time=_seconds(growth),
@@ -93,6 +111,8 @@ def life_of(recording: Recording) -> Life:
             time=_seconds(states),
             position=np.array([_positions(state) for state in states]).reshape(len(states), cells, 2),
             activation=np.array([state.activation for state in states]).reshape(len(states), cells),
+            target=targets,
+            reach=settings.task.chemotaxis.scent_reach if settings is not None else 0.0,
             velocity=np.array([(s.velocity_x, s.velocity_y) for s in states]).reshape(len(states), 2, cells).swapaxes(1, 2),
             **({} if body is None else _parts(body)),
             scene=_scene(recording.settings),
@@ -128,7 +148,21 @@ def _last_run(messages: list) -> list:
 
 def _finite(states: list) -> list:
     """Those without a number that is none, e.g. from a plant that blew up."""
-    return [s for s in states if all(np.isfinite(values).all() for values in (s.position_x, s.position_y, s.activation))]
+    return [state for state in states if _is_finite(state)]
+
+
+def _is_finite(s) -> bool:
+    return all(np.isfinite(values).all() for values in (s.position_x, s.position_y, s.activation))
+
+
+def _targets(recording: Recording, first: int, count: int) -> np.ndarray:
+    """(count, 2) m: the target at each state from `first` on, NaN while there is none; (0, 2) where there never was one."""
+    points = [(message.pose.position.x, message.pose.position.y) for message in recording.targets]
+    if not points or not count:
+        return np.empty((0, 2))
+    points = np.array([(np.nan, np.nan), *points])
+    latest = np.searchsorted(recording.targets_from, np.arange(first, first + count), side="right")
+    return points[latest]
 
 
 def _positions(state) -> np.ndarray:

@@ -151,7 +151,8 @@ def _swim_row(life: Life):
     if life.scene is not None:
         yield from _walk_row(life)
         return
-    low, high = bounds(life.position)
+    seen_targets = life.target[np.isfinite(life.target).all(axis=1)]
+    low, high = bounds(np.concatenate((life.position.reshape(-1, 2), seen_targets)))
     width, height = high - low
     # One row, or two where the body is seen a good deal larger so: (height in inches, m that an inch shows), by columns.
     talls = {n: min(_TALLEST[n], max(1.7, _WIDTH / n * height / width * (FRAMES // n))) for n in _TALLEST}
@@ -160,7 +161,7 @@ def _swim_row(life: Life):
     columns = two if seen[one] > 1.4 * seen[two] else one
 
     def draw(figure, top, tall):
-        _heading(figure, top, "Swim, and the path of the centre of mass")
+        _heading(figure, top, "Swim, and the path of the centre of mass" + (" towards the target" if len(seen_targets) else ""))
         steps = np.unique(np.linspace(0, len(life.time) - 1, FRAMES).astype(int))
         grid = _axes(figure, top, tall, columns, FRAMES // columns, under=0.25)
         for number, (k, axes) in enumerate(zip(steps, grid)):
@@ -213,8 +214,12 @@ def _activation(axes, life: Life) -> None:
 
 
 def _distance(axes, life: Life) -> None:
-    axes.plot(life.time - life.time[0], life.distance, color=unit_rgb(THIRD))
-    axes.set(title="Distance from birth, m", xlabel="time since birth, s")
+    seconds, aims = life.time - life.time[0], len(life.target) > 0
+    axes.plot(seconds, life.distance, color=unit_rgb(THIRD), label="from birth")
+    axes.set(title="Distance, m" if aims else "Distance from birth, m", xlabel="time since birth, s")
+    if aims:
+        axes.plot(seconds, life.target_distance, color=unit_rgb(SECOND), label="to target")
+        legend(axes)
     axes.set_ylim(bottom=0.0)
 
 

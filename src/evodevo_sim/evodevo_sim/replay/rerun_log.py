@@ -2,8 +2,9 @@
 
     animat/cells, animat/springs, animat/chambers, animat/outline, animat/trail     the body, in m, in the plane z = 0
     animat/world, animat/contacts                                                   ground and ceiling of a walker; cells that touch them
+    animat/target, animat/scent                                                     the target, and rings of its scent
     animat/centre, animat/metres                                                    frame at the centre of mass; a grid of 1 m
-    plots/activation/cell_*, plots/distance                                         the swim in curves
+    plots/activation/cell_*, plots/distance, plots/target_distance                the swim in curves
     evolution/best, median, diversity; evolution/chart/*                            a run; the chart is on every timeline
     summary                                                                         settings and champion
 """
@@ -15,7 +16,7 @@ import rerun as rr
 
 from ..recording import Recording
 from .colours import ACCENT, INK, QUIET, SECOND, THIRD, activation_colours
-from .life import Life, contrasting_cells
+from .life import RINGS, Life, contrasting_cells
 from .summary import markdown
 
 _TRAIL_UPDATES = 200  # a trail has up to as many points, and is logged as often
@@ -40,6 +41,7 @@ def log_recording(stream: rr.RecordingStream, recording: Recording, life: Life, 
         _log_trail(stream, life)
         _log_world(stream, life)
         _log_curves(stream, life)
+        _log_target(stream, life)
     if recording.statistics:
         _log_evolution(stream, recording.statistics)
 
@@ -161,6 +163,31 @@ def _log_curves(stream, life: Life) -> None:
         entity = f"plots/activation/cell_{cell}"
         _log_curve(stream, entity, _at(life.time), life.activation[:, cell], f"cell {cell}", colour)
     _log_curve(stream, "plots/distance", _at(life.time), life.distance, "centre of mass", THIRD)
+
+
+def _log_target(stream, life: Life) -> None:
+    """The target where it changes, its scent in rings, and how far the centre of mass is from it."""
+    if not len(life.target):
+        return
+    known = np.isfinite(life.target).all(axis=1)
+    _log_curve(stream, "plots/target_distance", _at(life.time[known]), life.target_distance[known], "to the target", SECOND)
+    changed = np.flatnonzero(known & np.r_[True, (life.target[1:] != life.target[:-1]).any(axis=1)])
+    points = _space(life.target[changed], _TRAIL)
+    stream.log("animat/target", rr.Points3D.from_fields(radii=0.4, colors=SECOND), static=True)
+    stream.send_columns("animat/target", _at(life.time[changed]), rr.Points3D.columns(positions=points))
+    if life.reach:
+        rings = [scent_rings(target, life.reach) for target in life.target[changed]]
+        stream.log("animat/scent", rr.LineStrips3D.from_fields(radii=rr.Radius.ui_points(1.0), colors=(206, 196, 228)), static=True)
+        strips = rr.LineStrips3D.columns(strips=[strip for ring in rings for strip in ring])
+        stream.send_columns("animat/scent", _at(life.time[changed]), strips.partition([RINGS] * len(rings)))
+
+
+def scent_rings(target, reach: float) -> np.ndarray:
+    """(RINGS, 97, 3): rings around a target, where its scent has fallen by another fifth."""
+    angle = np.linspace(0.0, 2.0 * np.pi, 97)
+    ring = np.stack((np.cos(angle), np.sin(angle)), axis=-1)
+    radii = np.arange(1, RINGS + 1)[:, None, None] / RINGS * reach
+    return _space(np.asarray(target) + radii * ring, _BEHIND)
 
 
 def _log_curve(stream, entity, index, values, name, colour) -> None:

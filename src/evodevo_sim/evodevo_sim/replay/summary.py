@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 from evodevo_msgs import msg
 
 from ..gait.recorded import gait_of_recording
@@ -26,7 +28,11 @@ def headline(recording: Recording, life: Life) -> tuple[str, str]:
         facts.append(f"fitness {recording.champions[-1].evaluation.fitness:.3f}{mark}")
     if len(life.time):
         facts.append(f"{life.position.shape[1]} cells, {len(life.chambers)} chambers")
-        facts.append(f"{life.distance[-1]:.2f} cell diameters in {life.time[-1] - life.time[0]:.1f} s")
+        seconds, away = life.time[-1] - life.time[0], life.target_distance[np.isfinite(life.target).all(axis=1)] if len(life.target) else []
+        if len(away):
+            facts.append(f"{away[0]:.1f}, then {away[-1]:.1f} m from the target in {seconds:.1f} s")
+        else:
+            facts.append(f"{life.distance[-1]:.2f} cell diameters in {seconds:.1f} s")
     gait = gait_of_recording(recording, life)
     if gait is not None:
         facts.append(f"gait: {gait.name}")
@@ -87,6 +93,10 @@ def _champion(champion: msg.Champion, audit: msg.Audit | None) -> str:
         "activation amplitude": f"{metrics.activation_amplitude:.3g}",
         "audit": _verdict(audit),
     }
+    steering = metrics.steering
+    if steering.distance:
+        for side in ("left", "right"):
+            rows[f"target on the {side}, m"] = f"{steering.distance:.3g} at birth, {getattr(steering, side + '_distance'):.3g} at the end"
     return "## Champion\n\n" + _table(rows)
 
 
@@ -103,6 +113,8 @@ def _numbers(message, prefix: str = "") -> dict:
     rows = {}
     for name in message.get_fields_and_field_types():
         value = getattr(message, name)
+        if isinstance(value, list):  # of genomes to begin from
+            value = len(value)
         nested = hasattr(value, "get_fields_and_field_types")
         rows |= _numbers(value, f"{prefix}{name}.") if nested else {prefix + name: value}
     return {name: f"{value:g}" if isinstance(value, float) else value for name, value in rows.items()}

@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 import tempfile
+from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -41,8 +42,9 @@ def save(recording: Recording, life: Life, path: str, step=lambda part: None) ->
         stream.disconnect()
 
 
-def show(path: str | os.PathLike) -> int:
-    """Open a Rerun file in the viewer and wait until it is closed.  Nothing leaves this host.  Returns its exit code."""
+@contextmanager
+def opened(*arguments: str | os.PathLike):
+    """The viewer, as a context that ends it.  Nothing leaves this host.  Yields its process."""
     import rerun_cli
 
     # The program itself: its Python wrapper would leave it running when it is ended.
@@ -53,13 +55,19 @@ def show(path: str | os.PathLike) -> int:
         environment = {"RUST_LOG": "error"} | os.environ | homes
         # The viewer sends statistics of its use to its makers unless its settings say not to, which this command writes.
         subprocess.run([program, "analytics", "disable"], env=environment, capture_output=True)
-        viewer = subprocess.Popen([program, "--bind", "127.0.0.1", "--port", "auto", path], env=environment)
+        viewer = subprocess.Popen([program, "--bind", "127.0.0.1", *arguments], env=environment)
         try:
-            code = viewer.wait()
+            yield viewer
         finally:
             if viewer.poll() is None:
                 viewer.terminate()
                 viewer.wait()
+
+
+def show(path: str | os.PathLike) -> int:
+    """Open a Rerun file in the viewer and wait until it is closed.  Returns its exit code."""
+    with opened("--port", "auto", path) as viewer:
+        code = viewer.wait()
     if code:
         print(f"replay: the viewer ended with code {code}: --no-viewer saves a file instead", file=sys.stderr)
     return code

@@ -41,6 +41,7 @@ def _bodies(life: Life) -> list:
     views = []
     grown = life.growth[-1:] if not len(life.time) else []
     points = np.concatenate([pose.position for pose in grown] + [life.position.reshape(-1, 2)])
+    points = np.concatenate((points, life.target[np.isfinite(life.target).all(axis=1)]))
     if len(life.time):
         about = (life.position - life.centre[:, None]).reshape(-1, 2)
         views.append(_from_above("Body", "/animat/centre", about))
@@ -69,7 +70,10 @@ def _curves(life: Life) -> list:
     legend = rrb.PlotLegend(corner=rrb.Corner2D.LeftTop)
     return [
         rrb.TimeSeriesView(origin="/plots/activation", name="Activation e - c of two cells", plot_legend=legend, axis_y=full),
-        rrb.TimeSeriesView(origin="/plots/distance", name="Distance from birth, m", plot_legend=legend),
+        rrb.TimeSeriesView(
+            origin="/plots", contents=["/plots/distance", "/plots/target_distance"], name="Distance from birth and target, m",
+            plot_legend=legend,
+        ) if len(life.target) else rrb.TimeSeriesView(origin="/plots/distance", name="Distance from birth, m", plot_legend=legend),
     ]
 
 

@@ -1,0 +1,89 @@
+"""Whether champions find targets where they were never tested, and what an evaluation costs.
+
+    python benchmarks/chemotaxis.py CHAMPION.yaml|RUN ... [--placements 50] [--seed 1] [--cost]
+
+Each champion swims towards every placement from its birth: angles from 20 to 120 degrees, on either side in turn, distances drawn
+from 0.5 to 0.9 and 1.1 to 1.5 of the one that it was tested with in evolution, so that none of them is that one.  Said is the
+distribution of the last distance of the centre of mass over the first.  A champion passes where, in the median of the placements
+on each side, it at least halves the distance.  --cost prints CPU times of an evaluation on one core.
+"""
+
+import argparse
+import time
+
+import numpy as np
+from evodevo_sim import Status, evaluate
+from evodevo_sim.champion import champion_of
+from evodevo_sim.chemotaxis_task import attempt
+from evodevo_sim.command_line import pairs
+
+NEAR, FAR = (0.5, 0.9), (1.1, 1.5)
+ANGLES = np.radians((20.0, 120.0))
+
+
+def held_out(count, trained_distance, seed):
+    """(count, 2): rad, to the left positive, and m; sides in turn."""
+    rng = np.random.default_rng(seed)
+    side = np.where(np.arange(count) % 2 == 0, 1.0, -1.0)
+    angle = side * rng.uniform(*ANGLES, count)
+    near = rng.random(count) < 0.5
+    share = np.where(near, rng.uniform(*NEAR, count), rng.uniform(*FAR, count))
+    return np.column_stack((angle, trained_distance * share))
+
+
+def ratios(champion, placements):
+    """(count,): last over first distance; also of a straight swim, and whether there is anything to test."""
+    result = attempt(champion.genome, champion.task, champion.seed, placements)
+    if Status(result.status) != Status.OK or not result.tested:
+        return None, None
+    last = np.hypot(*(result.paths[:, -1] - result.targets).T)
+    blind = np.hypot(*(result.path[-1] - result.targets).T)
+    return last / placements[:, 1], blind / placements[:, 1]
+
+
+def row(name, values):
+    quarters = np.quantile(values, (0.0, 0.25, 0.5, 0.75, 1.0))
+    shares = f"halved {100 * np.mean(values <= 0.5):3.0f} %, nearer {100 * np.mean(values < 1):3.0f} %"
+    return f"    {name:22s} " + " ".join(f"{q:5.2f}" for q in quarters) + f"   {shares}"
+
+
+def cost(champion, repeats=20):
+    evaluate(champion.genome, champion.task, champion.seed)
+    times = []
+    for _ in range(repeats):
+        start = time.thread_time()
+        evaluate(champion.genome, champion.task, champion.seed)
+        times.append(time.thread_time() - start)
+    return 1e3 * np.min(times), 1e3 * np.median(times)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("champions", nargs="+", metavar="CHAMPION.yaml|RUN")
+    parser.add_argument("--placements", type=int, default=50, metavar="N")
+    parser.add_argument("--seed", type=int, default=1, metavar="N", help="of the placements")
+    parser.add_argument("--cost", action="store_true", help="CPU time of an evaluation")
+    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="for genome files: a number of the task")
+    given = parser.parse_args()
+    passed = 0
+    for source in given.champions:
+        champion = champion_of(source, pairs(given.set), "chemotaxis")
+        placements = held_out(given.placements, champion.task.chemotaxis.distance, given.seed)
+        found, blind = ratios(champion, placements)
+        if found is None:
+            print(f"{champion.name}: it does not swim far enough to be tested")
+            continue
+        left = placements[:, 0] > 0
+        good = max(np.median(found[left]), np.median(found[~left])) <= 0.5
+        passed += good
+        print(f"{champion.name}: {'passes' if good else 'does not pass'}; last over first distance, {len(placements)} placements")
+        print("                           least   1/4  half   3/4  most")
+        print(row("left", found[left]) + "\n" + row("right", found[~left]) + "\n" + row("blind, straight ahead", blind))
+        if given.cost:
+            least, median = cost(champion)
+            print(f"    an evaluation of {champion.task.development.max_cells} cells: {least:.1f} ms CPU at best, {median:.1f} in the median")
+    print(f"{passed} of {len(given.champions)} champions pass")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,83 @@
+"""What one live animat costs a simulator node, and whether targets leak memory.
+
+    python benchmarks/live.py [--minutes 10] [--cells 64] [--targets-per-second 1]
+
+A simulator node of its own runs a grown body in real time, 60 cell states a second, while targets come.  Each tenth of the time
+says the node's CPU time over wall time and its resident memory; rates are those that a subscriber here counts.
+"""
+
+import argparse
+import time
+
+import numpy as np
+import psutil
+import rclpy
+from evodevo_msgs.msg import CellStates
+from evodevo_msgs.srv import Load
+from evodevo_sim import Development, random_genome
+from evodevo_sim.live import Animat, NotViable
+from evodevo_sim.messages import genome_message, target_message, task_message
+from evodevo_sim.nodes.common import stay_on_this_host
+from evodevo_sim.nodes.own import OwnSimulators
+from evodevo_sim.parameters import default_task, with_settings
+from geometry_msgs.msg import PoseStamped
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.qos import qos_profile_sensor_data
+
+
+def full_grown(task):
+    """The first random genome that fills the limit of cells and lives."""
+    for seed in range(10_000):
+        genome = random_genome(np.random.default_rng(seed))
+        try:
+            if len(Animat(genome, task).position) == task.development.max_cells:
+                return genome
+        except NotViable:
+            continue
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--minutes", type=float, default=10.0)
+    parser.add_argument("--cells", type=int, default=64)
+    parser.add_argument("--targets-per-second", type=float, default=1.0)
+    given = parser.parse_args()
+    task = with_settings(default_task("chemotaxis"), {"development.max_cells": given.cells})
+    genome = full_grown(task)
+    stay_on_this_host()
+    rclpy.init()
+    node = rclpy.create_node("live_benchmark")
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    rng = np.random.default_rng(1)
+    with OwnSimulators(1, owner="live", task="chemotaxis") as own:
+        namespace = own.namespaces[0]
+        publisher = node.create_publisher(PoseStamped, f"{namespace}/target_pose", 1)
+        loader = node.create_client(Load, f"{namespace}/load")
+        heard = [0]
+        node.create_subscription(CellStates, f"{namespace}/cell_states", lambda _: heard.__setitem__(0, heard[0] + 1), qos_profile_sensor_data)
+        while not (loader.service_is_ready() and publisher.get_subscription_count()):
+            executor.spin_once(timeout_sec=0.1)
+        answer = loader.call_async(Load.Request(task=task_message(task), seed=1, genome=genome_message(genome), real_time_factor=1.0))
+        executor.spin_until_future_complete(answer)
+        print(answer.result().message, flush=True)
+        process = psutil.Process(own._processes[0].pid)
+        print("minute  states/s  CPU of one core %  memory MB")
+        part, sent = 6.0 * given.minutes, 0
+        began = time.monotonic()
+        for k in range(10):
+            start, cpu, count = time.monotonic(), sum(process.cpu_times()[:2]), heard[0]
+            while (now := time.monotonic()) < began + (k + 1) * part:
+                executor.spin_once(timeout_sec=0.05)
+                if now >= began + sent / given.targets_per_second:
+                    publisher.publish(target_message(rng.uniform(-15, 15, 2), node.get_clock().now().to_msg()))
+                    sent += 1
+            spent = time.monotonic() - start
+            used = sum(process.cpu_times()[:2]) - cpu
+            memory = process.memory_info().rss / 2**20
+            print(f"{(time.monotonic() - began) / 60:6.2f}  {(heard[0] - count) / spent:8.1f}  {100 * used / spent:17.1f}  {memory:9.1f}", flush=True)
+    rclpy.shutdown()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,103 @@
+"""Chemotaxis around its kernel: where targets stand, and what pays.  docs/chemotaxis.md tells why."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .chemotaxis import SAMPLES, Trials, trials
+from .genome import Genome
+from .outcome import FAILURE, STIFF, Evaluation, Metrics, Status, Steering, failure
+from .parameters import Task
+from .scent import make_signals
+from .swim_task import kernel_arguments, slowest_progress
+
+LEFT, RIGHT = range(2)
+_NOT_KEPT = np.empty((0, 0, 0)), np.empty((0, 0))
+
+
+def run(genome: Genome, task: Task, seed: int, finer: int, track, traces) -> Evaluation:
+    """Evaluate a seeker.  Args: see `swim.swim`; the swim that is kept is the one with the target on the left, if there is one."""
+    return score(attempt(genome, task, seed, placements(task), LEFT, finer, track, traces), task)
+
+
+def placements(task: Task) -> np.ndarray:
+    """(2 pairs, 2): angle, rad, and distance, m, of the targets: those of a pair on the left and on the right, pair after pair."""
+    c = task.chemotaxis
+    lean = c.spread * np.linspace(-1.0, 1.0, c.pairs) if c.pairs > 1 else np.zeros(1)
+    angle, distance = c.angle * (1.0 + lean), c.distance * (1.0 - lean)
+    return np.column_stack((np.column_stack((angle, -angle)).ravel(), np.repeat(distance, 2)))
+
+
+def attempt(
+    genome: Genome, task: Task, seed: int, placed, shown: int = LEFT, finer: int = 1, track=_NOT_KEPT[0], traces=_NOT_KEPT[1]
+) -> Trials:
+    """All swims of a genome.  Args: placed (K, 2), shown, track, traces: see `chemotaxis.trials`."""
+    signals = make_signals(noise=task.noise.arguments(), seed=seed)
+    placed = np.ascontiguousarray(placed, float).reshape(-1, 2)
+    return trials(*kernel_arguments(genome, task), finer, task.chemotaxis.arguments(), placed, signals, shown, track, traces)
+
+
+def late(path) -> np.ndarray:
+    """The points (SAMPLES, 2) of a path in its last window."""
+    return path[-SAMPLES:]
+
+
+def approach(path, target, heading, angle: float) -> tuple[float, float, float]:
+    """How a path went towards a target.
+
+    Args: path (S + 1, 2) m; target (2,) m; heading: unit vector of the way without a target; angle: of the target from it, rad.
+
+    Returns, all but the last as means over the last window: distance of the target, m; gain: how much smaller that is than
+    straight ahead, as far from the start as the path has come, m; turn from the heading to the way gone, towards the target's
+    side, rad.
+    """
+    start = path[0]
+    first = np.hypot(*(target - start))
+    gone = late(path) - start
+    away = np.hypot(*gone.T)
+    distance = np.hypot(*(late(path) - target).T)
+    ahead = np.sqrt(first**2 + away**2 - 2.0 * first * away * np.cos(angle))
+    x, y = gone.mean(axis=0)
+    turn = np.arctan2(heading[0] * y - heading[1] * x, heading[0] * x + heading[1] * y)
+    return float(distance.mean()), float((ahead - distance).mean()), float(turn if angle >= 0.0 else -turn)
+
+
+def score(result: Trials, task: Task) -> Evaluation:
+    """What pays: sustained forward motion; then, for the worst target, muscles that work in scent, turning and nearing."""
+    status, path, c = Status(result.status), result.path, task.chemotaxis
+    sizes = {"cells": result.cells, "springs": result.springs, "chambers": result.chambers, "substeps": result.substeps}
+    if status in FAILURE:
+        stiff = status == Status.UNSTABLE and result.failed_step < 0
+        return failure(status, Metrics(**sizes), result.failed_step, STIFF if stiff else "")
+    pairs = [_steering(result, task, pair) for pair in range(c.pairs)] if result.tested else [Steering()]
+    ends = path[:: SAMPLES]
+    metrics = Metrics(
+        **sizes,
+        distance=float(np.hypot(*(path[-1] - path[0]))),
+        distance_second_half=float(np.hypot(*(path[-1] - ends[task.windows // 2]))),
+        slowest_window=slowest_progress(ends),
+        activation_amplitude=result.amplitude,
+        steering=pairs[0],
+    )
+    paid = task.windows * metrics.slowest_window + task.activity_bonus
+    if result.tested:
+        paid += task.activity_bonus * min(min(s.left_active, s.right_active) for s in pairs)
+        gains = [min(s.left_active * s.left_gain, s.right_active * s.right_gain) for s in pairs]
+        nearer = [min(s.left_active * (s.distance - s.left_distance), s.right_active * (s.distance - s.right_distance)) for s in pairs]
+        paid += c.turning_weight * max(0.0, min(gains)) + c.approach_weight * max(0.0, min(nearer))
+    return Evaluation(result.active * paid, status, "", metrics)
+
+
+def _steering(result: Trials, task: Task, pair: int) -> Steering:
+    (angle, distance), _ = placements(task)[2 * pair : 2 * pair + 2]
+    here, there = 2 * pair + LEFT, 2 * pair + RIGHT
+    left = approach(result.paths[here], result.targets[here], result.heading, angle)
+    right = approach(result.paths[there], result.targets[there], result.heading, -angle)
+    return Steering(
+        distance=float(distance),
+        left_x=float(result.targets[here, 0]), left_y=float(result.targets[here, 1]),
+        right_x=float(result.targets[there, 0]), right_y=float(result.targets[there, 1]),
+        left_distance=left[0], right_distance=right[0], left_gain=left[1], right_gain=right[1],
+        left_turn=left[2], right_turn=right[2],
+        left_active=float(result.actives[here]), right_active=float(result.actives[there]),
+    )
