@@ -19,7 +19,7 @@ STARTS = 16
 FINER, QUICK_FINER = 8, 2
 MOST_CHANGE = 0.25  # of the mean over the starts, by finer steps
 LEAST_SHARE = 0.5  # of the fitness, that the median of other starts must reach
-MOST_GAP, MOST_FINE_GAP = 0.02, 0.003  # of the energy that went through, that may be missing
+MOST_GAP, MOST_FINE_GAP = 0.05, 0.01  # of the energy that went through, that may be missing
 _OTHER = 1  # second part of the seed of the other starts
 
 
@@ -60,7 +60,7 @@ def _run(name, fitness, before, result, ledger, positions, task, body, make_run)
     """A row of the audit; its energies are means over the starts."""
     gap = np.abs(result.gain - ledger.sum(1)) / np.maximum(np.abs(ledger[:, 1:]).sum(1), 1e-12)
     chamber = min((least_chamber(body, np.ascontiguousarray(p.T))[0] for p in positions if np.isfinite(p).all()), default=np.nan)
-    failed = [Status(int(s)) for s in result.status if Status(int(s)) in FAILURE]
+    failed = [Status(int(s)) for s in result.status if Status(int(s)) in FAILURE and s != Status.UNSETTLED]  # that earns 0
     cause = "" if not failed else f"{len(failed)} of {len(result.status)} starts: {FAILURE[failed[0]][1]}"
     change = (fitness - before) / max(abs(before), 1e-12)
     sustained = float(task.windows * np.maximum(progress(result.path, task)[2], 0.0).mean())
