@@ -10,9 +10,9 @@ from collections import namedtuple
 import numpy as np
 
 from ._jit import kernel, lean
-from .life import INVERTED_CHAMBER, OK, RESTING, UNSTABLE_PHYSICS, birth, centre_of_mass, keep
+from .life import INVERTED_CHAMBER, OK, RESTING, UNSTABLE_PHYSICS, birth
 from .scent import Signals
-from .swim import live
+from .swim import course
 
 SAMPLES = 10  # of a path, in each window
 STRAIGHT = -1  # the swim without a target
@@ -25,50 +25,6 @@ Trials = namedtuple(
     "Trials",
     "status failed_step path amplitude active substeps cells springs chambers tested heading targets paths actives",
 )
-
-
-@lean
-def course(life, task, most_cells, development, continual, signals, path, range_of_muscle, track, traces):
-    """Live through all windows, in place.
-
-    Args: path (S + 1, 2): filled with the centre of mass; range_of_muscle (2, N): scratch; track, traces: see `swim.swim`.
-
-    Returns: (status, control step reached, amplitude, active), see `swim.Swim`.
-    """
-    samples = (path.shape[0] - 1) // task.windows
-    length = task.control_steps // task.windows
-    cells, inverse_mass = life.muscle.size, life.body.inverse_mass
-    amplitude, active = 2.0, 1.0
-    status, step = OK, 0
-    path[0, 0], path[0, 1] = centre_of_mass(life.position, inverse_mass)
-    for window in range(task.windows):
-        for i in range(cells):
-            range_of_muscle[0, i], range_of_muscle[1, i] = np.inf, -np.inf
-        for k in range(samples):
-            until = window * length + length * (k + 1) // samples
-            status, step = live(
-                life, step, until, task.control_step, development, continual, signals, range_of_muscle, track, traces
-            )
-            x, y = centre_of_mass(life.position, inverse_mass)
-            last = window * samples + k + 2 if status == OK else path.shape[0]
-            for row in range(window * samples + k + 1, last):
-                path[row, 0], path[row, 1] = x, y
-            if status != OK:
-                break
-        if status != OK:
-            amplitude, active = 0.0, 0.0
-            break
-        total, working = 0.0, 0.0
-        for i in range(cells):
-            a = 0.5 * (range_of_muscle[1, i] - range_of_muscle[0, i])
-            total += a
-            working += min(1.0, a / task.full_activity)
-        amplitude = min(amplitude, total / cells)
-        active = min(active, working / most_cells)
-    if track.size:
-        for later in range(step, task.control_steps + 1):
-            keep(life, track[later], traces[later])
-    return status, step, amplitude, active
 
 
 @kernel

@@ -132,3 +132,30 @@ def think(life, step, development, continual):
     for i in range(cells):
         muscle[i] = e[i] - c[i]
     set_rest_lengths(life.body, muscle, life.rest)
+
+
+@lean
+def forget(range_of_muscle):
+    """Make a range (2, N) of least and most e - c empty."""
+    for i in range(range_of_muscle.shape[1]):
+        range_of_muscle[0, i], range_of_muscle[1, i] = np.inf, -np.inf
+
+
+@lean
+def widen(range_of_muscle, muscle):
+    """Let a range of least and most e - c hold what muscles (N,) do now."""
+    least, most = range_of_muscle[0], range_of_muscle[1]
+    for i in range(muscle.size):
+        least[i] = muscle[i] if muscle[i] < least[i] else least[i]
+        most[i] = muscle[i] if muscle[i] > most[i] else most[i]
+
+
+@lean
+def activity(range_of_muscle, full_activity):
+    """(mean amplitude over the cells, number of cells that work, those of less than full activity in part) of a range."""
+    total, working, cells = 0.0, 0.0, range_of_muscle.shape[1]
+    for i in range(cells):
+        a = 0.5 * (range_of_muscle[1, i] - range_of_muscle[0, i])
+        total += a
+        working += min(1.0, a / full_activity)
+    return total / cells, working

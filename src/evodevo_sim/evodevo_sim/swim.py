@@ -12,7 +12,9 @@ import numpy as np
 
 from ._jit import kernel, lean
 from .development import REST
-from .life import INVERTED_CHAMBER, OK, RESTING, UNSTABLE_PHYSICS, birth, centre_of_mass, keep, rests, think
+from .life import (
+    INVERTED_CHAMBER, OK, RESTING, UNSTABLE_PHYSICS, activity, birth, centre_of_mass, forget, keep, rests, think, widen,
+)
 from .physics import INVERTED, SOUND, advance, substeps_in_drag
 from .regulation import unrest
 from .scent import disturb, sense
@@ -52,14 +54,50 @@ def live(life, step, until, seconds, development, continual, signals, range_of_m
             return (INVERTED_CHAMBER if outcome == INVERTED else UNSTABLE_PHYSICS), step
         step += 1
         if range_of_muscle.size:
-            least, most = range_of_muscle[0], range_of_muscle[1]
-            for i in range(cells):
-                least[i] = muscle[i] if muscle[i] < least[i] else least[i]
-                most[i] = muscle[i] if muscle[i] > most[i] else most[i]
+            widen(range_of_muscle, muscle)
         if continual and step % _LOOK == 0 and not signals.noise.size and unrest(network, table, drive, cells) < REST:
             if rests(body, law, rest, position, velocity, scratch):
                 return RESTING, step
     return OK, step
+
+
+@lean
+def course(life, task, most_cells, development, continual, signals, path, range_of_muscle, track, traces):
+    """Live through all windows, in place.
+
+    Args: path (S + 1, 2): filled with the centre of mass; range_of_muscle (2, N): scratch; track, traces: see `swim`.
+
+    Returns: (status, control step reached, amplitude, active), see `Swim`.
+    """
+    samples = (path.shape[0] - 1) // task.windows
+    length = task.control_steps // task.windows
+    inverse_mass = life.body.inverse_mass
+    amplitude, active = 2.0, 1.0
+    status, step = OK, 0
+    path[0, 0], path[0, 1] = centre_of_mass(life.position, inverse_mass)
+    for window in range(task.windows):
+        forget(range_of_muscle)
+        for k in range(samples):
+            until = window * length + length * (k + 1) // samples
+            status, step = live(
+                life, step, until, task.control_step, development, continual, signals, range_of_muscle, track, traces
+            )
+            x, y = centre_of_mass(life.position, inverse_mass)
+            last = window * samples + k + 2 if status == OK else path.shape[0]
+            for row in range(window * samples + k + 1, last):
+                path[row, 0], path[row, 1] = x, y
+            if status != OK:
+                break
+        if status != OK:
+            amplitude, active = 0.0, 0.0
+            break
+        mean, working = activity(range_of_muscle, task.full_activity)
+        amplitude = min(amplitude, mean)
+        active = min(active, working / most_cells)
+    if track.size:
+        for later in range(step, task.control_steps + 1):
+            keep(life, track[later], traces[later])
+    return status, step, amplitude, active
 
 
 @kernel
@@ -75,35 +113,14 @@ def swim(genome, task, development, continual, material, scene, given_inputs, fi
     """
     path = np.zeros((task.windows + 1, 2))
     status, life = birth(genome, development, continual, material, scene, given_inputs, task.control_step, finer)
-    body, position, muscle = life.body, life.position, life.muscle
-    cells, springs = muscle.size, body.rest_length.size
+    body = life.body
+    cells, springs = life.muscle.size, body.rest_length.size
     chambers = body.triangle_area.size + body.polygon_area.size
     if status != OK:
         return Swim(status, -1, path, 0.0, 0.0, 0, cells, springs, chambers)
 
-    length = task.control_steps // task.windows
-    range_of_muscle = np.empty((2, cells))
-    amplitude, active = 2.0, 1.0
-    path[:, 0], path[:, 1] = centre_of_mass(position, body.inverse_mass)
-    step = 0
-    for window in range(task.windows):
-        range_of_muscle[0], range_of_muscle[1] = np.inf, -np.inf
-        status, step = live(
-            life, step, step + length, task.control_step, development, continual, signals, range_of_muscle, track, traces
-        )
-        path[window + 1 :, 0], path[window + 1 :, 1] = centre_of_mass(position, body.inverse_mass)
-        if status != OK:
-            amplitude, active = 0.0, 0.0
-            break
-        total, working = 0.0, 0.0
-        for i in range(cells):
-            a = 0.5 * (range_of_muscle[1, i] - range_of_muscle[0, i])
-            total += a
-            working += min(1.0, a / task.full_activity)
-        amplitude = min(amplitude, total / cells)
-        active = min(active, working / development.max_cells)
-    if track.size:
-        for later in range(step, task.control_steps + 1):
-            keep(life, track[later], traces[later])
+    status, step, amplitude, active = course(
+        life, task, development.max_cells, development, continual, signals, path, np.empty((2, cells)), track, traces
+    )
     failed_step = step if status == UNSTABLE_PHYSICS or status == INVERTED_CHAMBER else -1
     return Swim(status, failed_step, path, amplitude, active, life.substeps, cells, springs, chambers)

@@ -14,7 +14,9 @@ from ._jit import kernel, lean
 from .development import REST
 from .energy import stored_energy
 from .integrators import System, Work, euler
-from .life import INVERTED_CHAMBER, OK, RESTING, UNSTABLE_PHYSICS, birth, centre_of_mass, keep, think
+from .life import (
+    INVERTED_CHAMBER, OK, RESTING, UNSTABLE_PHYSICS, activity, birth, centre_of_mass, forget, keep, think, widen,
+)
 from .physics import INVERTED, MOST_DOUBLINGS, SOUND, _copy, check
 from .regulation import unrest
 from .stability import EULER, bounds, longest_step
@@ -159,10 +161,7 @@ def live(walker, step, until, seconds, development, continual, range_of_muscle, 
             return (INVERTED_CHAMBER if outcome == INVERTED else UNSTABLE_PHYSICS), step
         step += 1
         if range_of_muscle.size:
-            least, most = range_of_muscle[0], range_of_muscle[1]
-            for i in range(muscle.size):
-                least[i] = min(least[i], muscle[i])
-                most[i] = max(most[i], muscle[i])
+            widen(range_of_muscle, muscle)
         if continual and step % _LOOK == 0 and unrest(life.network, life.table, life.drive, muscle.size) < REST:
             if _fastest(velocity) < _STILL * _STILL:
                 return RESTING, step
@@ -185,19 +184,15 @@ def _walk_windows(walker, task, development, continual, path, track, traces):
     amplitude, active, status, step = 2.0, 1.0, OK, 0
     path[:] = centre_of_mass(life.position, life.body.inverse_mass)[0]
     for window in range(task.windows):
-        range_of_muscle[0], range_of_muscle[1] = np.inf, -np.inf
+        forget(range_of_muscle)
         status, step = live(
             walker, step, step + length, task.control_step, development, continual, range_of_muscle, track, traces
         )
         path[window + 1 :] = centre_of_mass(life.position, life.body.inverse_mass)[0]
         if status != OK:
             return status, step, 0.0, 0.0
-        total, working = 0.0, 0.0
-        for i in range(cells):
-            a = 0.5 * (range_of_muscle[1, i] - range_of_muscle[0, i])
-            total += a
-            working += min(1.0, a / task.full_activity)
-        amplitude = min(amplitude, total / cells)
+        mean, working = activity(range_of_muscle, task.full_activity)
+        amplitude = min(amplitude, mean)
         active = min(active, working / development.max_cells)
     return status, step, amplitude, active
 
