@@ -13,6 +13,7 @@ from evodevo_sim.planar import coincident
 SHAPES = ("grown", "cloud", "clusters", "lattice", "needle", "ring", "sparse")
 MUSCLES = ("held", "sine", "jumps")
 STEP = (1e-9, 1.0)  # s, of a control step: the range of Task.control_step
+_DRAWN = ("mass", "stiffness", "damping", "pressure", "drag_normal", "drag_tangential")
 _FAIR = 30.0  # times and divided by which half of all parameters lie about their defaults
 
 
@@ -97,7 +98,8 @@ def _draw(rng, default, low, high, beyond):
 def random_parameters(rng, beyond=False):
     """(Material, Scene, control step in s), each number near its default, or anywhere in its range; as plain dicts if `beyond`."""
     drawn = {
-        cls: {f.name: _draw(rng, f.default, *f.metadata["range"], beyond) for f in dataclasses.fields(cls)} for cls in (Material, Scene)
+        cls: {f.name: _draw(rng, f.default, *f.metadata["range"], beyond) for f in dataclasses.fields(cls) if f.name in _DRAWN}
+        for cls in (Material, Scene)
     }
     step = _draw(rng, 1 / 60, *STEP, beyond)
     return drawn[Material], drawn[Scene], step if beyond else min(step, STEP[1])

@@ -100,7 +100,7 @@ def test_a_run_that_loses_its_last_simulator_keeps_what_was_done(tmp_path):
     assert process.returncode == 2 and "evolve: no simulator is left" in stderr and "Traceback" not in stderr
     recording = read_recording(tmp_path / "run")
     assert recording.statistics and recording.champions and recording.body.cells and not recording.truncated
-    assert "Champion: fitness" in stdout and f"Gait: {recording.gait.name}" in stdout
+    assert "Champion: fitness" in stdout and f"Gait:     {recording.gait.name}" in stdout
 
 
 def test_a_run_does_not_wait_for_a_simulator_that_is_listed_but_dead(tmp_path, in_process):

@@ -1,7 +1,8 @@
 """Between the library's objects and `evodevo_msgs`, without losing a bit.
 
 Dataclasses and messages of one name have fields of the same names, so Task, Metrics, Gait and what is nested in them are converted
-by walking their fields: a new field needs a line in the dataclass and one in the `.msg`, and nothing here.
+by walking their fields: a new field needs a line in the dataclass and one in the `.msg`, and nothing here.  Only profiles of
+a Scene are coordinates there and points in the message: rclpy pads empty arrays of doubles, which strict readers refuse.
 """
 
 from __future__ import annotations
@@ -139,14 +140,22 @@ def _array(typecode, values):
 def _message(value):
     """The message of a dataclass of the same name, nested ones with it."""
     cls = getattr(msg, type(value).__name__)
-    given = ((field.name, getattr(value, field.name)) for field in fields(value))
-    return cls(**{name: _message(item) if is_dataclass(item) else item for name, item in given})
+    given = {field.name: getattr(value, field.name) for field in fields(value)}
+    if cls is msg.Scene:
+        for name in ("ground", "ceiling"):
+            given[name] = [msg.Vertex(x=x, y=y) for x, y in zip(given.pop(f"{name}_x"), given.pop(f"{name}_y"))]
+    return cls(**{name: _message(item) if is_dataclass(item) else item for name, item in given.items()})
 
 
 def _object(cls, message):
     """The dataclass of a message of the same name; fields that are dataclasses themselves are told by their defaults."""
-    return cls(**{
-        field.name: _object(type(field.default), getattr(message, field.name))
-        if is_dataclass(field.default) else getattr(message, field.name)
-        for field in fields(cls)
-    })
+    given = {}
+    for field in fields(cls):
+        name, _, axis = field.name.rpartition("_")
+        if cls is Scene and name in ("ground", "ceiling"):  # points there, coordinates here
+            given[field.name] = tuple(getattr(vertex, axis) for vertex in getattr(message, name))
+        elif is_dataclass(field.default):
+            given[field.name] = _object(type(field.default), getattr(message, field.name))
+        else:
+            given[field.name] = getattr(message, field.name)
+    return cls(**given)
