@@ -14,7 +14,7 @@ import psutil
 import rclpy
 from evodevo_msgs.msg import CellStates
 from evodevo_msgs.srv import Load
-from evodevo_sim import Development, random_genome
+from evodevo_sim import random_genome
 from evodevo_sim.live import Animat, NotViable
 from evodevo_sim.messages import genome_message, target_message, task_message
 from evodevo_sim.nodes.common import stay_on_this_host

@@ -15,7 +15,7 @@ import importlib.util
 import time
 
 import numpy as np
-from common import TINY, Figure, body_of, main, scattered, write_csv
+from common import Figure, body_of, main, scattered, write_csv
 from evodevo_sim.integrators import make_system, make_work
 from evodevo_sim.physics import Law
 from evodevo_sim.stability import EULER

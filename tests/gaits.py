@@ -1,7 +1,7 @@
 """Motions of known gait, by formula: positions and muscles of bodies as functions of time."""
 
 import numpy as np
-from bodies import body_of, slab
+from bodies import body_of
 from evodevo_sim.gait import Track, flat
 from evodevo_sim.gait.sources import parts_of_body
 

@@ -1,7 +1,6 @@
 """Each benchmark runs in its smallest form and writes its tables, and what it claims of itself holds: equal bits, true theory."""
 
 import csv
-import sys
 from pathlib import Path
 
 import numpy as np

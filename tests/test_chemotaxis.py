@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from evodevo_sim import Development, Status, Task, evaluate, perform
+from evodevo_sim import Development, Status, evaluate, perform
 from evodevo_sim.chemotaxis import SAMPLES, Trials
 from evodevo_sim.chemotaxis_task import approach, attempt, placements, score
 from evodevo_sim.live import Animat

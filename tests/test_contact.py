@@ -131,7 +131,7 @@ def stress(seed, terrain, friction, steps=400):
     position = body.position.T + [[0.0], [-body.position[:, 1].min() + 1.6 + rng.uniform(0, 2)]]
     velocity = rng.normal(0, 3, position.shape)
     p, v, work, ledger = position.copy(), velocity.copy(), make_work(body), np.zeros(4)
-    depth, landed = np.inf, False
+    depth = np.inf
     for k in range(steps):
         euler(system, k * h, h, p, v, work, ledger)
         if terrain.x.size:

@@ -1,3 +1,5 @@
+from glob import glob
+
 from setuptools import find_packages, setup
 
 package_name = "evodevo_sim"
@@ -6,10 +8,10 @@ setup(
     name=package_name,
     version="0.1.0",
     packages=find_packages(exclude=["test"]),
-    package_data={package_name: ["genomes/*.yaml", "worlds/*.yaml"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
         (f"share/{package_name}", ["package.xml"]),
+        (f"share/{package_name}/champions", sorted(glob("champions/*.yaml"))),
     ],
     install_requires=["setuptools"],
     extras_require={"test": ["pytest"]},

@@ -9,7 +9,7 @@ from collections import namedtuple
 
 import numpy as np
 
-from ._jit import kernel, lean
+from ._jit import kernel
 from .life import INVERTED_CHAMBER, OK, RESTING, UNSTABLE_PHYSICS, birth
 from .scent import Signals
 from .swim import course

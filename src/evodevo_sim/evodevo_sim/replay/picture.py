@@ -137,9 +137,9 @@ def _walk_row(life: Life):
             shift = np.array((middle[k], 0.0))
             frame(axes, low + shift, high + shift)
             draw_swim(axes, life, k)
-            _caption(axes, f"{life.time[k] - life.time[0]:.3g} s, x = {middle[k] - middle[0]:.1f} m")
+            caption(axes, f"{life.time[k] - life.time[0]:.3g} s, x = {middle[k] - middle[0]:.1f} m")
             if number == 0:
-                for cell, colour in zip(contrasting_cells(life), (ACCENT, SECOND)):
+                for cell, colour in zip(contrasting_cells(life.activation), (ACCENT, SECOND)):
                     axes.plot(*life.position[k, cell], "o", color=unit_rgb(colour), mec="white", mew=1, ms=6, zorder=6)
 
     yield tall, "walk", draw
