@@ -10,12 +10,12 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from pathlib import Path
 
 import yaml
 
 from .genome import HEADER, HEADER_NAMES, KINDS, SPECIAL, Genome, GenomeError
+from .whole_file import written_whole
 
 VERSION = 1
 _KIND_NUMBER = {name: number for number, name in enumerate(KINDS)}
@@ -42,16 +42,8 @@ def _number(value: float) -> str:
 
 def save_genome(path: str | os.PathLike, genome: Genome, about: dict[str, str] | None = None) -> None:
     """Write a genome file, whole or not at all."""
-    path = Path(path)
-    with tempfile.NamedTemporaryFile("w", dir=path.parent, prefix=path.name, delete=False, encoding="utf-8") as file:
-        try:
-            file.write(genome_text(genome, about))
-            file.close()
-            os.chmod(file.name, 0o644)
-            os.replace(file.name, path)
-        except BaseException:
-            os.unlink(file.name)
-            raise
+    with written_whole(path) as name:
+        Path(name).write_text(genome_text(genome, about), encoding="utf-8")
 
 
 def load_genome(path: str | os.PathLike) -> Genome:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import sys
-import tempfile
 import time
 from pathlib import Path
 
@@ -18,6 +17,7 @@ from .nodes.common import without_ros
 from .parameters import ParameterError
 from .recording import Recorder, RecordingError
 from .stability import INTEGRATORS
+from .whole_file import written_whole
 from .worlds import PRESETS
 
 _EPILOG = """\
@@ -97,17 +97,9 @@ def record_motion(recorder, own, motion: Motion, stamp: int) -> None:
 
 def save_motion(path: str | os.PathLike, motion: Motion) -> None:
     """Write an NPZ file of time (T,) s, position (T, N, 2) m, velocity (T, N, 2) m/s, float64; whole or not at all."""
-    path = Path(path)
     try:
-        with tempfile.NamedTemporaryFile("wb", dir=path.parent, prefix=path.name, delete=False) as file:
-            try:
-                np.savez(file, time=motion.time, position=motion.position, velocity=motion.velocity)
-                file.close()
-                os.chmod(file.name, 0o644)
-                os.replace(file.name, path)
-            except BaseException:
-                os.unlink(file.name)
-                raise
+        with written_whole(path, ".npz") as name:
+            np.savez(name, time=motion.time, position=motion.position, velocity=motion.velocity)
     except OSError as error:
         raise RecordingError(f"{path} cannot be written ({error.strerror}): choose another name") from None
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from contextlib import contextmanager
 from pathlib import Path
+
+from ..whole_file import written_whole
 
 BEGINS_WITH = {".rrd": b"RRF", ".png": b"\x89PNG", ".csv": b"cell"}
 
@@ -34,22 +35,10 @@ def check(path: Path, ending: str) -> None:
 
 @contextmanager
 def whole(path: Path, ending: str):
-    """The name of a temporary file that takes the place of `path` when all went well, and vanishes when not."""
+    """`written_whole`, after `check`.  Raises OutputError."""
     check(path, ending)
     try:
-        handle, name = tempfile.mkstemp(ending, f".{path.stem}-", path.parent)
-        os.close(handle)
-        try:
+        with written_whole(path, ending) as name:
             yield name
-            os.chmod(name, 0o666 & ~_mask())
-            os.replace(name, path)
-        finally:
-            Path(name).unlink(missing_ok=True)
     except OSError as error:
         raise OutputError(f"{path} cannot be written ({error.strerror or error}): choose another place") from None
-
-
-def _mask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
