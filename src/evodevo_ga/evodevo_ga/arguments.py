@@ -14,7 +14,7 @@ from evodevo_sim.parameters import PRESETS, TASKS, default_task, preset, with_se
 from evodevo_sim.worlds import PRESETS as WORLDS
 from evodevo_sim.worlds import with_world
 
-from .evolution import Settings
+from .settings import Settings
 
 _EPILOG = """\
 examples:
