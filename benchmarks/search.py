@@ -17,8 +17,9 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from evodevo_ga import SCHEMES, Evolution, Settings, scheme
+from evodevo_ga.feasible import check
 from evodevo_ga.settings import DEFAULT_SCHEME
-from evodevo_sim import Evaluation, Task, evaluate, perform, random_genome, save_genome
+from evodevo_sim import Evaluation, ParameterError, Task, evaluate, perform, random_genome, save_genome
 from evodevo_sim.audit import audit
 from evodevo_sim.command_line import pairs
 from evodevo_sim.gait import analyse, track_of_performance
@@ -150,9 +151,13 @@ def print_table(rows: list[dict]) -> None:
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     options = arguments(parser)
-    of_task, of_settings = split(options.set)
-    task = with_settings(Task(), of_task)
-    settings = Settings(**scheme(options.scheme) | {"generations": options.generations} | of_settings)
+    try:
+        of_task, of_settings = split(options.set)
+        task = with_settings(Task(), of_task)
+        settings = Settings(**scheme(options.scheme) | {"generations": options.generations} | of_settings)
+        check(task, settings)
+    except ParameterError as error:
+        parser.exit(2, f"search.py: {error}\n")
     rows = []
     with ThreadPoolExecutor(options.workers) as pool:
         for seed in range(options.first, options.first + options.seeds):
