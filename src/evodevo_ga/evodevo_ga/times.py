@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 from rich.table import Table
 
-START, EVALUATION, MESSAGES, BREEDING = "start: kernels, simulators", "waiting for simulators", "making and reading messages", "breeding (ask, tell)"
+START, EVALUATION, MESSAGES, BREEDING = "start: kernels, simulators", "waiting for simulators", "making, sending, reading messages", "breeding (ask, tell)"
 RECORDING, AUDITS, CHAMPION, REST = "recording, publishing", "waiting for the last audits", "champion's life and gait", "rest"
 
 
