@@ -122,11 +122,19 @@ def split(items: list[str]) -> tuple[dict, dict]:
     """`name=value` texts into numbers of the task and, without their prefix, those of evolution."""
     numbers = pairs(items)
     whole = {field.name: type(field.default) for field in dataclasses.fields(Settings)}
-    of_settings = {name.removeprefix("settings."): value for name, value in numbers.items() if name.startswith("settings.")}
-    return (
-        {name: value for name, value in numbers.items() if not name.startswith("settings.")},
-        {name: whole[name](value) for name, value in of_settings.items()},
-    )
+    of_task, of_settings = {}, {}
+    for name, value in numbers.items():
+        own = name.removeprefix("settings.")
+        if own == name:
+            of_task[name] = value
+        elif own not in whole:
+            raise ParameterError(f"setting {name!r} is unknown: choose one of {', '.join(whole)}")
+        else:
+            try:
+                of_settings[own] = whole[own](value)
+            except ValueError:
+                raise ParameterError(f"{name} is {value!r}: give a number") from None
+    return of_task, of_settings
 
 
 def text(value) -> str:

@@ -157,3 +157,22 @@ def test_curves_refuse_other_files_in_one_line(tmp_path, capsys, text):
         curves.main([str(tmp_path / "a.csv"), "--out", str(tmp_path / "curves.png")])
     said = capsys.readouterr().err
     assert left.value.code == 2 and "a.csv" in said and said.count("\n") == 1 and not (tmp_path / "curves.png").exists()
+
+
+@pytest.mark.parametrize(
+    "text, says",
+    [
+        ("settings.islands=3", "setting 'settings.islands' is unknown: choose one of population"),
+        ("settings.elite=two", "settings.elite is 'two': give a number"),
+        ("settings.units=0", "settings.units is 0"),
+        ("drag=1", "setting 'drag' is unknown"),
+    ],
+)
+def test_search_refuses_settings_in_one_line(monkeypatch, capsys, text, says):
+    import search
+
+    monkeypatch.setattr("sys.argv", ["search.py", "--set", text])
+    with pytest.raises(SystemExit) as left:
+        search.main()
+    said = capsys.readouterr().err
+    assert left.value.code == 2 and says in said and said.count("\n") == 1
