@@ -31,7 +31,7 @@ COLUMNS = (
     "search", "seed", "evaluations", "fitness", "distance", "second_half", "slowest", "amplitude", "cells", "chambers", "status",
     "last_gain", "diversity", "chambered", "oscillating", "seconds", "audit", "gait",
 )
-CURVE = ("search", "seed", "generation", "evaluations", "fitness", "distance", "second_half", "amplitude", "diversity", "seconds")
+CURVE = ("search", "seed", "generation", "evaluations", "fitness", "distance", "second_half", "amplitude", "diversity", "seconds", "born")
 
 
 def arguments(parser: argparse.ArgumentParser) -> argparse.Namespace:
@@ -63,7 +63,7 @@ def evolve(task: Task, settings: Settings, name: str, seed: int, pool: ThreadPoo
             oscillating += sum(one.metrics.activation_amplitude >= 0.1 for one in found)
             bar.update()
             m = evolution.champion.evaluation.metrics
-            about = (generation.diversity, time.monotonic() - began)
+            about = (generation.diversity, time.monotonic() - began, evolution.champion.born)
             curve.append(point(name, seed, generation.generation, evolution.evaluations, evolution.champion.evaluation, *about))
             bar.set_postfix_str(f"{m.distance_second_half:.2f} m in the second half, amplitude {m.activation_amplitude:.2f}")
     n = evolution.evaluations
@@ -102,10 +102,10 @@ def search_at_random(task: Task, settings: Settings, seed: int, budget: int, poo
     return [row("random: fittest", seed, budget, best, *about), row("random: farthest", seed, budget, longest, *about)], curve
 
 
-def point(search: str, seed: int, generation: int, evaluations: int, e: Evaluation, diversity: float, seconds: float) -> dict:
-    """A row of a curve: the best so far after so many evaluations."""
+def point(search: str, seed: int, generation: int, evaluations: int, e: Evaluation, diversity: float, seconds: float, born: int = 0) -> dict:
+    """A row of a curve: the best so far after so many evaluations.  Args: born: generation in which its oldest line began."""
     m = e.metrics
-    values = (search, seed, generation, evaluations, e.fitness, m.distance, m.distance_second_half, m.activation_amplitude, diversity, seconds)
+    values = (search, seed, generation, evaluations, e.fitness, m.distance, m.distance_second_half, m.activation_amplitude, diversity, seconds, born)
     return dict(zip(CURVE, values))
 
 
