@@ -4,8 +4,8 @@
     python benchmarks/curves.py alps.csv paper.csv random.csv --out curves.png
     python benchmarks/curves.py all.csv --of distance --yardstick 39.2 --out curves.png
 
-Prints, too, what each search has reached after a tenth, a half and all of the evaluations that its shortest run had, and its
-diversity at the end.
+Prints, too, what each search has reached after a tenth, a half and all of the evaluations that its shortest run had, and the
+diversity in which its runs ended.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class CurvesError(ValueError):
 
 
 def read(paths: list[str], of: str) -> dict[str, list[np.ndarray]]:
-    """The curves by search: for each run (points, 2) of evaluations and value.  A search with other settings has them in its name."""
+    """The curves by search: for each run (points, 2) of evaluations and value.  Settings are in the name where they differ."""
     runs = defaultdict(list)
     for path in paths:
         try:
@@ -52,9 +52,11 @@ def read(paths: list[str], of: str) -> dict[str, list[np.ndarray]]:
                 point = int(row["evaluations"]), float(row[of])
             except (TypeError, ValueError):
                 raise CurvesError(f"{path}, line {line}: evaluations or {of} is no number") from None
-            runs[" ".join(filter(None, (row["search"], row.get("settings")))), path, row["seed"]].append(point)
+            runs[row["search"], row.get("settings", ""), path, row["seed"]].append(point)
+    common = set.intersection(*(set(settings.split()) for _, settings, _, _ in runs))
     curves = defaultdict(list)
-    for (name, _, _), points in runs.items():
+    for (search, settings, _, _), points in runs.items():
+        name = " ".join([search, *(one for one in settings.split() if one not in common)])
         # A seed that was run again into the same file begins again at few evaluations: the last one counts.
         begin = max(k for k in range(len(points)) if k == 0 or points[k][0] < points[k - 1][0])
         curves[name].append(np.array(points[begin:], float))
@@ -90,18 +92,20 @@ def draw(curves: dict, of: str, out: str, yardstick: float | None, logarithmic: 
 
 def table(curves: dict, of: str, diversities: dict) -> Table:
     shown = Table("search", "seeds", title=f"{OF[of]}: median (range)", title_justify="left")
-    for head in ("after a tenth", "after a half", "at the end", "evaluations", "diversity at the end"):
-        shown.add_column(head, justify="right")
+    for head in ("a tenth", "a half", "all", "evaluations", "diversity"):
+        shown.add_column(head, justify="right", no_wrap=True)
     for name, runs in curves.items():
         evaluations, values = spread(runs)
         at = [np.searchsorted(evaluations, share * evaluations[-1], "right") - 1 for share in (0.1, 0.5, 1.0)]
-        cells = [three(values[:, k]) if k >= 0 else "" for k in at]
-        shown.add_row(name, str(len(runs)), *cells, f"{evaluations[-1]:.0f}", three([run[-1, 1] for run in diversities[name]]))
+        cells = [middle(values[:, k]) if k >= 0 else "" for k in at]
+        shown.add_row(name, str(len(runs)), *cells, f"{evaluations[-1]:.0f}", middle([run[-1, 1] for run in diversities[name]]))
     return shown
 
 
-def three(values) -> str:
-    return f"{np.median(values):.2f} ({np.min(values):.2f}-{np.max(values):.2f})"
+def middle(values) -> str:
+    """Median and range."""
+    text = f"{np.median(values):.2f}"
+    return text if len(values) == 1 else f"{text} ({np.min(values):.2f}-{np.max(values):.2f})"
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -119,7 +123,7 @@ def main(arguments: list[str] | None = None) -> int:
     if not Path(given.out).absolute().parent.is_dir():
         parser.exit(2, f"curves.py: {given.out}: there is no such directory\n")
     draw(curves, given.of, given.out, given.yardstick, given.log)
-    Console().print(table(curves, given.of, diversities))
+    Console(width=None if sys.stdout.isatty() else 120).print(table(curves, given.of, diversities))
     return 0
 
 
