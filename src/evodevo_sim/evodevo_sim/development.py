@@ -9,13 +9,14 @@ import numpy as np
 from ._jit import kernel, lean
 from .gabriel import adjacency, gabriel_edges
 from .genome import INPUTS, OUTPUTS
-from .regulation import AXIS, CONTRACTION, DIVISION, EXPANSION, exchange, regulate, unrest
+from .lanes import aligned
+from .regulation import AXIS, CONTRACTION, DIVISION, EXPANSION, exchange, make_share, regulate, unrest
 
 REST = 1e-8  # concentrations this close to where they are driven, and steps that move no cell farther, are at rest
 _CLEAR = 0.05  # m, least distance of a new daughter from any cell
 _GOLDEN_ANGLE = 2.399963229728653
 
-# position (N, 2) m; table (rows, N) of concentrations, see `regulation`; edges (E, 2) of the graph; start, neighbour: its
+# position (N, 2) m; table (rows, padded N) of concentrations, see `regulation`, 0 beyond N; edges (E, 2) of the graph; start, neighbour: its
 # adjacency lists; steps: regulation steps until all was at rest; past, delay: variant A's history and delays.
 Embryo = namedtuple("Embryo", "position table edges start neighbour steps past delay")
 
@@ -158,12 +159,11 @@ def grow(network, development, continual, history, activations, graphs):
     limit = development.max_cells
     units = network.units
     first_input = 2 * units + OUTPUTS
-    table = np.zeros((first_input + INPUTS, limit))
-    drive = np.empty((network.nodes.size, limit))
+    table, drive = aligned(first_input + INPUTS, limit), aligned(network.nodes.size, limit)
     position = np.zeros((limit, 2))
     axis = np.zeros((limit, 2))
     axis[0, 0] = 1.0
-    shift, share = np.empty((limit, 3)), np.empty((limit, 4))
+    shift, share = np.empty((limit, 3)), make_share(network, limit)
     witness = np.zeros((limit, limit), np.int32)
     edges = np.empty((3 * limit + 1 if continual else limit * (limit - 1) // 2 + 1, 2), np.int64)
     start = np.zeros(limit + 1, np.int64)
@@ -211,6 +211,8 @@ def grow(network, development, continual, history, activations, graphs):
             break
         cells = grown
 
+    final = aligned(table.shape[0], cells)
+    final[:] = table[:, : final.shape[1]]
     planar = np.empty((3 * limit + 1, 2), np.int64)
     count = gabriel_edges(position, cells, witness, planar)
     adjacency(planar, count, cells, start, neighbour)
@@ -223,6 +225,6 @@ def grow(network, development, continual, history, activations, graphs):
                 activations[step, i] = table[units + EXPANSION, i] - table[units + CONTRACTION, i]
             graphs[step, :count] = planar[:count]
     return Embryo(
-        position[:cells].copy(), table[:, :cells].copy(), planar[:count].copy(), start[: cells + 1].copy(),
+        position[:cells].copy(), final, planar[:count].copy(), start[: cells + 1].copy(),
         neighbour[: 2 * count].copy(), steps, past, delay,
     )
