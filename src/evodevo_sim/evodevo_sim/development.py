@@ -7,7 +7,7 @@ from collections import namedtuple
 import numpy as np
 
 from ._jit import kernel, lean
-from .gabriel import adjacency, follow, gabriel_edges
+from .gabriel import adjacency, follow, gabriel_graph
 from .genome import INPUTS, OUTPUTS
 from .regulation import AXIS, CONTRACTION, DIVISION, EXPANSION, exchange, regulate, unrest
 
@@ -193,7 +193,7 @@ def grow(network, development, continual, history, activations, graphs):
     axis = np.zeros((limit, 2))
     axis[0, 0] = 1.0
     share, shift, degree, crowded = np.empty((limit, 4)), np.empty((3, limit)), np.empty(limit, np.int64), False
-    witness = np.zeros((limit, limit), np.int32)
+    witness = np.zeros((limit, limit) if continual else (0, 0), np.int32)
     edges = np.empty((3 * limit + 1 if continual else limit * (limit - 1) // 2 + 1, 2), np.int64)
     push = np.empty((3, edges.shape[0]))
     spare, holds, travelled = np.empty_like(edges), np.full(limit, -1.0), 0.0
@@ -249,8 +249,12 @@ def grow(network, development, continual, history, activations, graphs):
             break
         cells = grown
 
-    planar = np.empty((3 * limit + 1, 2), np.int64)
-    count = gabriel_edges(position, cells, witness, planar)
+    if continual:
+        count, _ = follow(position, cells, travelled, holds, witness, edges, count, spare)
+        planar = edges[:count]
+    else:
+        planar = gabriel_graph(position[:cells])
+        count = planar.shape[0]
     adjacency(planar, count, cells, start, neighbour)
     if not continual:
         _measure_delays(position, cells, development, longest, delay)
@@ -259,8 +263,8 @@ def grow(network, development, continual, history, activations, graphs):
             history[step, :cells] = position[:cells]
             for i in range(cells):
                 activations[step, i] = table[units + EXPANSION, i] - table[units + CONTRACTION, i]
-            graphs[step, :count] = planar[:count]
+            graphs[step, :count] = planar
     return Embryo(
-        position[:cells].copy(), table[:, :cells].copy(), planar[:count].copy(), start[: cells + 1].copy(),
+        position[:cells].copy(), table[:, :cells].copy(), planar.copy(), start[: cells + 1].copy(),
         neighbour[: 2 * count].copy(), steps, past, delay,
     )

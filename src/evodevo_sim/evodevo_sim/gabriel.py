@@ -9,8 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from ._jit import kernel, lean
+from .gabriel_tree import TIE, tree_edges
 
-_TIE = 1e-12  # relative slack of the circle
+_MANY = 96  # cells, from which on a tree is faster
 _FAR = 1e18  # m^2, more than any cell is outside a circle
 _DEEP = 0.05  # a witness this deep, in squares of the distance of its pair, is kept: it will do for long
 _SHARE = 0.4  # of a distance from a circle, that every cell may move; exact: 1 / (1 + sqrt 2) = 0.414
@@ -34,7 +35,7 @@ def gabriel_edges(position, cells, witness, edges):
         xi, yi = position[i, 0], position[i, 1]
         for j in range(i + 1, cells):
             xj, yj = position[j, 0], position[j, 1]
-            slack = _TIE * ((xi - xj) ** 2 + (yi - yj) ** 2)
+            slack = TIE * ((xi - xj) ** 2 + (yi - yj) ** 2)
             k = witness[i, j]
             if k != i and k != j and k < cells:
                 xk, yk = position[k, 0], position[k, 1]
@@ -88,7 +89,7 @@ def _follow_row(position, cells, i, witness, edges, count):
         if not outside < -_DEEP * square:
             outside, k = _nearest(position, cells, i, j, -_DEEP * square)
             witness[i, j] = k
-            if outside > _TIE * square:
+            if outside > TIE * square:
                 edges[count, 0] = i
                 edges[count, 1] = j
                 count += 1
@@ -166,6 +167,9 @@ def adjacency(edges, count, cells, start, neighbour):
 def gabriel_graph(position):
     """Edges (E, 2) of the Gabriel graph of (N, 2) positions, i < j, ascending."""
     cells = position.shape[0]
-    witness = np.zeros((cells, cells), np.int32)
     edges = np.empty((3 * cells + 1, 2), np.int64)
-    return edges[: gabriel_edges(position, cells, witness, edges)].copy()
+    if cells > _MANY:
+        count = tree_edges(position, edges)
+    else:
+        count = gabriel_edges(position, cells, np.zeros((cells, cells), np.int32), edges)
+    return edges[:count].copy()
