@@ -150,14 +150,16 @@ def diffuse(network, table, past, step, delay, cells, morphogen_range):
 
     Args: delay (>= cells, >= cells, 2): steps, and the factor by distance.
     """
-    length = past.shape[0]
-    for row, morphogen in enumerate(network.morphogens):
-        perceived = table[network.units + OUTPUTS + morphogen]
-        for i in range(cells):
-            total = 0.0
-            for j in range(cells):
-                total += past[(step - int(delay[i, j, 0])) % length, row, j] * delay[i, j, 1]
-            perceived[i] = total
+    length, first = past.shape[0], network.units + OUTPUTS
+    now = step % length
+    for i in range(cells):
+        for morphogen in network.morphogens:
+            table[first + morphogen, i] = 0.0
+        for j in range(cells):
+            then = now - int(delay[i, j, 0])
+            emitted, factor = past[then if then >= 0 else then + length], delay[i, j, 1]
+            for row, morphogen in enumerate(network.morphogens):
+                table[first + morphogen, i] += emitted[row, j] * factor
 
 
 @lean
