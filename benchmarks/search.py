@@ -3,6 +3,7 @@
 
     python benchmarks/search.py --seeds 3 --generations 50
     python benchmarks/search.py --seeds 10 --generations 200 --no-random --set scene.drag_normal=10 --set settings.tournament=3
+    python benchmarks/search.py --scheme alps --generations 1000 --no-random --curves alps.csv    # then benchmarks/curves.py draws
 """
 
 from __future__ import annotations
@@ -15,8 +16,10 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
-from evodevo_ga import Evolution, Settings
-from evodevo_sim import Evaluation, Task, evaluate, perform, random_genome
+from evodevo_ga import SCHEMES, Evolution, Settings, scheme
+from evodevo_ga.feasible import check
+from evodevo_ga.settings import DEFAULT_SCHEME
+from evodevo_sim import Evaluation, ParameterError, Task, evaluate, perform, random_genome, save_genome
 from evodevo_sim.audit import audit
 from evodevo_sim.command_line import pairs
 from evodevo_sim.gait import analyse, track_of_performance
@@ -28,13 +31,15 @@ COLUMNS = (
     "search", "seed", "evaluations", "fitness", "distance", "second_half", "slowest", "amplitude", "cells", "chambers", "status",
     "last_gain", "diversity", "chambered", "oscillating", "seconds", "audit", "gait",
 )
-CURVE = ("seed", "generation", "evaluations", "fitness", "distance", "second_half", "amplitude", "diversity", "seconds")
+CURVE = ("search", "seed", "generation", "evaluations", "fitness", "distance", "second_half", "amplitude", "diversity", "seconds", "born")
 
 
 def arguments(parser: argparse.ArgumentParser) -> argparse.Namespace:
     parser.add_argument("--seeds", type=int, default=3, help="runs, of seeds FIRST, FIRST + 1, ... (default %(default)s)")
     parser.add_argument("--first", type=int, default=1, help="first seed (default %(default)s)")
     parser.add_argument("--generations", type=int, default=Settings().generations, help="of each run (default %(default)s)")
+    parser.add_argument("--scheme", default=DEFAULT_SCHEME, choices=SCHEMES, help="of the search (default %(default)s); --set goes over it")
+    parser.add_argument("--random-only", type=int, metavar="N", help="random search alone, with N evaluations of each seed")
     parser.add_argument("--workers", type=int, default=len(os.sched_getaffinity(0)), help="threads (default %(default)s)")
     parser.add_argument("--no-random", action="store_true", help="evolution only")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="of the task, or of evolution as settings.NAME")
@@ -44,12 +49,12 @@ def arguments(parser: argparse.ArgumentParser) -> argparse.Namespace:
     return parser.parse_args()
 
 
-def evolve(task: Task, settings: Settings, seed: int, pool: ThreadPoolExecutor):
+def evolve(task: Task, settings: Settings, name: str, seed: int, pool: ThreadPoolExecutor):
     """Run evolution.  Returns: (champion, row of the table, rows of its curve)."""
     evolution, last_gain, began = Evolution(settings, seed), 0, time.monotonic()
     curve = []
     chambered = oscillating = 0
-    with tqdm(total=settings.generations, desc=f"evolution {seed}", leave=False, mininterval=5.0) as bar:
+    with tqdm(total=settings.generations, desc=f"{name} {seed}", leave=False, mininterval=5.0) as bar:
         while not evolution.finished:
             found = list(pool.map(lambda genome: evaluate(genome, task, seed), evolution.ask()))
             generation = evolution.tell(found)
@@ -58,9 +63,8 @@ def evolve(task: Task, settings: Settings, seed: int, pool: ThreadPoolExecutor):
             oscillating += sum(one.metrics.activation_amplitude >= 0.1 for one in found)
             bar.update()
             m = evolution.champion.evaluation.metrics
-            values = (seed, generation.generation, evolution.evaluations, generation.best, m.distance, m.distance_second_half,
-                      m.activation_amplitude, generation.diversity, time.monotonic() - began)
-            curve.append(dict(zip(CURVE, values)))
+            about = (generation.diversity, time.monotonic() - began, evolution.champion.born)
+            curve.append(point(name, seed, generation.generation, evolution.evaluations, evolution.champion.evaluation, *about))
             bar.set_postfix_str(f"{m.distance_second_half:.2f} m in the second half, amplitude {m.activation_amplitude:.2f}")
     n = evolution.evaluations
     champion = evolution.champion
@@ -68,27 +72,41 @@ def evolve(task: Task, settings: Settings, seed: int, pool: ThreadPoolExecutor):
     found = audit(champion.genome, task, seed, quick=True)
     gait = analyse(track_of_performance(perform(champion.genome, task, seed), task)).gait.name if found.runs else "none"
     about += ("stands" if found.stands else "; ".join(found.faults), gait)
-    return champion, row("evolution", seed, n, champion.evaluation, *about), curve
+    return champion, row(name, seed, n, champion.evaluation, *about), curve
 
 
 def search_at_random(task: Task, settings: Settings, seed: int, budget: int, pool: ThreadPoolExecutor):
-    """Evaluate `budget` random genomes.  Returns rows: of the highest fitness, and of the longest second half."""
+    """Evaluate `budget` random genomes.
+
+    Returns: (rows: of the highest fitness, and of the longest second half; the curve of the fittest so far, a row where it changes).
+    """
     rng, began = np.random.default_rng((seed, 2**32)), time.monotonic()
     best = longest = None
-    chambered = oscillating = 0
+    chambered = oscillating = done = 0
+    curve = []
     with tqdm(total=budget, desc=f"random {seed}", leave=False, mininterval=5.0) as bar:
         for first in range(0, budget, CHUNK):
             genomes = [random_genome(rng, settings.units, settings.extent) for _ in range(min(CHUNK, budget - first))]
             for one in pool.map(lambda genome: evaluate(genome, task, seed), genomes):
+                done += 1
                 if best is None or one.fitness > best.fitness:
                     best = one
+                    curve.append(point("random", seed, 0, done, best, 1.0, time.monotonic() - began))
                 if longest is None or one.metrics.distance_second_half > longest.metrics.distance_second_half:
                     longest = one
                 chambered += one.metrics.chambers > 0
                 oscillating += one.metrics.activation_amplitude >= 0.1
                 bar.update()
+    curve.append(point("random", seed, 0, budget, best, 1.0, time.monotonic() - began))
     about = (0, 1.0, chambered / budget, oscillating / budget, time.monotonic() - began)
-    return row("random: fittest", seed, budget, best, *about), row("random: farthest", seed, budget, longest, *about)
+    return [row("random: fittest", seed, budget, best, *about), row("random: farthest", seed, budget, longest, *about)], curve
+
+
+def point(search: str, seed: int, generation: int, evaluations: int, e: Evaluation, diversity: float, seconds: float, born: int = 0) -> dict:
+    """A row of a curve: the best so far after so many evaluations.  Args: born: generation in which its oldest line began."""
+    m = e.metrics
+    values = (search, seed, generation, evaluations, e.fitness, m.distance, m.distance_second_half, m.activation_amplitude, diversity, seconds, born)
+    return dict(zip(CURVE, values))
 
 
 def row(search: str, seed: int, evaluations: int, e: Evaluation, last_gain, diversity, chambered, oscillating, seconds, verdict="", gait="") -> dict:
@@ -104,11 +122,19 @@ def split(items: list[str]) -> tuple[dict, dict]:
     """`name=value` texts into numbers of the task and, without their prefix, those of evolution."""
     numbers = pairs(items)
     whole = {field.name: type(field.default) for field in dataclasses.fields(Settings)}
-    of_settings = {name.removeprefix("settings."): value for name, value in numbers.items() if name.startswith("settings.")}
-    return (
-        {name: value for name, value in numbers.items() if not name.startswith("settings.")},
-        {name: whole[name](value) for name, value in of_settings.items()},
-    )
+    of_task, of_settings = {}, {}
+    for name, value in numbers.items():
+        own = name.removeprefix("settings.")
+        if own == name:
+            of_task[name] = value
+        elif own not in whole:
+            raise ParameterError(f"setting {name!r} is unknown: choose one of {', '.join(whole)}")
+        else:
+            try:
+                of_settings[own] = whole[own](value)
+            except ValueError:
+                raise ParameterError(f"{name} is {value!r}: give a number") from None
+    return of_task, of_settings
 
 
 def text(value) -> str:
@@ -133,25 +159,37 @@ def print_table(rows: list[dict]) -> None:
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     options = arguments(parser)
-    of_task, of_settings = split(options.set)
-    task = with_settings(Task(), of_task)
-    settings = dataclasses.replace(Settings(), **{"generations": options.generations, **of_settings})
+    try:
+        of_task, of_settings = split(options.set)
+        task = with_settings(Task(), of_task)
+        settings = Settings(**scheme(options.scheme) | {"generations": options.generations} | of_settings)
+        check(task, settings)
+    except ParameterError as error:
+        parser.exit(2, f"search.py: {error}\n")
     rows = []
     with ThreadPoolExecutor(options.workers) as pool:
         for seed in range(options.first, options.first + options.seeds):
-            champion, one, curve = evolve(task, settings, seed, pool)
-            rows.append(one)
-            append(options.curves, options.set, CURVE, curve)
-            if options.genomes:
-                from evodevo_sim import save_genome
-
-                os.makedirs(options.genomes, exist_ok=True)
-                save_genome(os.path.join(options.genomes, f"{seed}.yaml"), champion.genome, {"seed": seed})
+            budget = options.random_only
+            if budget is None:
+                champion, one, curve = evolve(task, settings, options.scheme, seed, pool)
+                rows.append(one)
+                budget = one["evaluations"]
+                append(options.curves, options.set, CURVE, curve)
+                keep(options.genomes, options.scheme, seed, champion)
             if not options.no_random:
-                rows += search_at_random(task, settings, seed, one["evaluations"], pool)
+                found, curve = search_at_random(task, settings, seed, budget, pool)
+                rows += found
+                append(options.curves, options.set, CURVE, curve)
     print(" ".join(options.set) or "defaults")
     print_table(rows)
     append(options.csv, options.set, COLUMNS, rows)
+
+
+def keep(directory: str | None, name: str, seed: int, champion) -> None:
+    """Write the genome of a champion, if that was asked for."""
+    if directory:
+        os.makedirs(directory, exist_ok=True)
+        save_genome(os.path.join(directory, f"{name}-{seed}.yaml"), champion.genome, {"scheme": name, "seed": seed})
 
 
 def append(path: str | None, settings: list[str], columns: tuple[str, ...], rows: list[dict]) -> None:

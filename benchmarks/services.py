@@ -2,8 +2,8 @@
 
     python benchmarks/services.py [--rounds N] [--population N] [--cells N] [--workers N]
 
-Prints seconds for a generation, the service's overhead as the median of the rounds' ratios, whether both gave the same bits, and
-the memory of a simulator node.
+Prints seconds for a generation, the service's overhead as the median of the rounds' ratios, what share of it the messages take on
+our side, whether both gave the same bits, and the memory of a simulator node.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import rclpy
 from evodevo_ga import Evolution, Settings
 from evodevo_ga.fleet import Fleet
 from evodevo_ga.in_process import evaluate_all
+from evodevo_ga.times import EVALUATION, MESSAGES, Times
 from evodevo_sim import Task
 from evodevo_sim.nodes.common import stay_on_this_host
 from evodevo_sim.nodes.own import OwnSimulators
@@ -41,6 +42,11 @@ def timed(evaluate):
     return time.perf_counter() - began, result
 
 
+def watched(times, evaluate):
+    with times(EVALUATION):
+        return evaluate()
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--rounds", type=int, default=9)
@@ -57,11 +63,12 @@ def main():
     node, executor = rclpy.create_node("benchmark"), SingleThreadedExecutor()
     executor.add_node(node)
     with OwnSimulators(given.workers) as own:
-        fleet = Fleet(node, executor, own.services)
+        times = Times()
+        fleet = Fleet(node, executor, own.services, times)
         fleet.wait(60.0, own.alive)
         ways = {
             "in this process": lambda: evaluate_all(genomes, task, SEED, given.workers),
-            "through simulators": lambda: fleet.evaluate(genomes, task, SEED),
+            "through simulators": lambda: watched(times, lambda: fleet.evaluate(genomes, task, SEED)),
         }
         seconds = {name: [] for name in ways}
         results = {name: evaluate() for name, evaluate in ways.items()}  # warm
@@ -78,6 +85,9 @@ def main():
         print(f"  {name:20s} {min(values):.3f} s at the least, {statistics.median(values):.3f} s in the median")
     ratio = statistics.median(b / a for a, b in zip(here, there))
     print(f"  overhead of the services: {100 * (ratio - 1):+.1f} % (median of the rounds' ratios), {100 * (min(there) / min(here) - 1):+.1f} % (of the least)")
+    parts = times.seconds()
+    share = parts[MESSAGES] / (parts[MESSAGES] + parts[EVALUATION])
+    print(f"  making, sending and reading messages: {100 * share:.1f} % of a generation; the rest is waiting for simulators")
     print(f"  equal bits: {results['in this process'] == results['through simulators']}")
     print(f"  memory of a simulator: {max(memory):.0f} MB")
 

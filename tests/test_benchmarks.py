@@ -110,3 +110,69 @@ def test_figures_go_between_the_marks_of_the_page_and_nowhere_else():
     filled = fill(page, rows)
     assert "| a | 1 |\n| b | 2 |\n" in filled and "| cost: a | 1 | <= 2 | met |" in filled
     assert MARKS.sub(r"\1\3", filled) == MARKS.sub(r"\1\3", page)
+
+
+CURVES = "settings,search,seed,evaluations,second_half,diversity\n"
+
+
+def test_curves_take_the_last_value_known_at_each_number_of_evaluations(tmp_path):
+    import curves
+
+    (tmp_path / "a.csv").write_text(CURVES + ",paper,1,100,1.0,0.9\n,paper,1,200,3.0,0.5\n,paper,2,150,2.0,0.8\n,paper,2,250,8.0,0.4\n")
+    (tmp_path / "b.csv").write_text(CURVES + ",random,1,10,0.5,1\n,random,1,200,0.5,1\nx=1,paper,1,100,7,0.9\n,random,1,10,0.25,1\n,random,1,90,0.5,1\n")
+    found = curves.read([tmp_path / "a.csv", tmp_path / "b.csv"], "second_half")
+    assert {name: len(runs) for name, runs in found.items()} == {"paper": 2, "random": 1, "paper x=1": 1}
+    assert found["random"][0].tolist() == [[10, 0.25], [90, 0.5]]  # the seed was run again
+    evaluations, values = curves.spread(found["paper"])
+    assert evaluations.tolist() == [150, 200] and values.tolist() == [[1.0, 3.0], [2.0, 2.0]]
+
+
+def test_search_writes_curves_that_are_drawn(tmp_path, monkeypatch, capsys):
+    import curves
+    import search
+
+    table = tmp_path / "curves.csv"
+    small = ["--seeds", "2", "--generations", "3", "--workers", "1", "--scheme", "alps", "--curves", str(table)]
+    small += ["--set", "settings.population=10", "--set", "settings.layers=2", "--set", "development.max_cells=8", "--set", "control_steps=80"]
+    monkeypatch.setattr("sys.argv", ["search.py", *small])
+    search.main()
+    rows = rows_of(table)
+    assert {(row["search"], row["seed"]) for row in rows} == {("alps", "1"), ("alps", "2"), ("random", "1"), ("random", "2")}
+    for seed in "12":
+        for name in ("alps", "random"):
+            run = [(int(row["evaluations"]), float(row["fitness"])) for row in rows if (row["search"], row["seed"]) == (name, seed)]
+            assert run == sorted(run)  # the best so far
+        ends = [max(int(row["evaluations"]) for row in rows if (row["search"], row["seed"]) == (name, seed)) for name in ("alps", "random")]
+        assert ends[0] == ends[1]  # as many for the one as for the other
+    assert curves.main([str(table), "--of", "fitness", "--out", str(tmp_path / "curves.png")]) == 0
+    assert (tmp_path / "curves.png").stat().st_size > 5000 and "alps" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("text", ["", "a,b\n1,2\n", CURVES + ",paper,1,100,far,1\n", CURVES + ",paper,1\n"])
+def test_curves_refuse_other_files_in_one_line(tmp_path, capsys, text):
+    import curves
+
+    (tmp_path / "a.csv").write_text(text)
+    with pytest.raises(SystemExit) as left:
+        curves.main([str(tmp_path / "a.csv"), "--out", str(tmp_path / "curves.png")])
+    said = capsys.readouterr().err
+    assert left.value.code == 2 and "a.csv" in said and said.count("\n") == 1 and not (tmp_path / "curves.png").exists()
+
+
+@pytest.mark.parametrize(
+    "text, says",
+    [
+        ("settings.islands=3", "setting 'settings.islands' is unknown: choose one of population"),
+        ("settings.elite=two", "settings.elite is 'two': give a number"),
+        ("settings.units=0", "settings.units is 0"),
+        ("drag=1", "setting 'drag' is unknown"),
+    ],
+)
+def test_search_refuses_settings_in_one_line(monkeypatch, capsys, text, says):
+    import search
+
+    monkeypatch.setattr("sys.argv", ["search.py", "--set", text])
+    with pytest.raises(SystemExit) as left:
+        search.main()
+    said = capsys.readouterr().err
+    assert left.value.code == 2 and says in said and said.count("\n") == 1

@@ -133,3 +133,76 @@ def test_the_scents_point_moves_in_its_share_of_children():
     moved = [genome for genome in others if genome.x[3] != given[0].x[3]]
     assert 15 < len(moved) < 45 and all(np.array_equal(genome.x[:3], given[0].x[:3]) for genome in others)
     assert 0 < sum(genome.sign[3] != given[0].sign[3] for genome in moved) < 12
+
+
+LAYERED = Settings(population=30, layers=3, elite=2, age_gap=4, generations=41)
+LIMITS = (4, 8, np.inf)  # ages below which the three layers are open
+
+
+def generations_of(settings, seed, score=near_origin):
+    """Yields the evolution after each generation."""
+    evolution = Evolution(settings, seed)
+    while not evolution.finished:
+        evolution.tell([score(genome) for genome in evolution.ask()])
+        yield evolution
+
+
+def test_layers_hold_their_share_and_nobody_who_is_too_old():
+    for evolution in generations_of(LAYERED, 1):
+        fitness = [one.evaluation.fitness for one in evolution.population]
+        assert fitness == sorted(fitness, reverse=True)
+        for layer, limit in enumerate(LIMITS):
+            ages = [evolution.generation - one.born for one in evolution.population if one.layer == layer]
+            assert len(ages) <= 10 and all(0 <= age < limit for age in ages)
+
+
+def test_the_layers_open_at_1_2_4_9_and_16_gaps():
+    settings = Settings(layers=5, age_gap=10)
+    first = [next(age for age in range(1000) if settings.layer_of(age) == layer) for layer in range(5)]
+    assert first == [0, 10, 20, 40, 90] and settings.layer_of(10**9) == 4
+    assert Settings(layers=1).layer_of(10**9) == 0
+
+
+def test_random_genomes_fill_the_youngest_layer_at_every_gap():
+    for evolution in generations_of(LAYERED, 2):
+        youngest = [one for one in evolution.population if one.layer == 0]
+        assert {one.born for one in youngest} == {evolution.generation - evolution.generation % 4}
+        if evolution.generation % 4 == 0:
+            assert len(youngest) == 10 and diversity([one.genome for one in youngest]) == 1.0
+
+
+def test_layers_never_lose_the_best_and_climb():
+    best = [evolution.champion.evaluation.fitness for evolution in generations_of(LAYERED, 3)]
+    assert np.all(np.diff(best) >= 0) and best[-1] > best[0] + 0.1
+
+
+def test_an_old_line_cannot_reach_the_young_ones():
+    """A genome that is far better than all others, at the top, has no children below it."""
+    hero = random_genome(np.random.default_rng(9))
+    settings = Settings(population=20, layers=2, age_gap=6, generations=30, start_share=0.0, crossover=0.5)
+    evolution = Evolution(settings, 4, [hero])
+    elements = set(zip(hero.x.tolist(), hero.y.tolist()))
+    kin = lambda genome: len(elements & set(zip(genome.x.tolist(), genome.y.tolist())))
+    while not evolution.finished:
+        evolution.tell([evaluation(kin(genome)) for genome in evolution.ask()])
+        assert not any(kin(one.genome) for one in evolution.population if one.layer == 0)
+    assert sum(kin(one.genome) > 40 for one in evolution.population if one.layer == 1) >= 5
+
+
+def test_layers_keep_diversity_where_one_population_loses_it():
+    layered = run(Settings(population=60, layers=3, age_gap=10, generations=60), 5)[1][-1].diversity
+    whole = run(Settings(population=60, generations=60), 5)[1][-1].diversity
+    assert layered > whole + 0.2
+
+
+def test_layers_give_the_same_run_in_any_order_of_evaluation():
+    shuffled = lambda n: np.random.default_rng(n).permutation(n)
+    one, history = run(LAYERED, 5)
+    two, again = run(LAYERED, 5, order=shuffled)
+    assert history == again and one.champion.genome == two.champion.genome
+
+
+def test_a_layered_population_refills_when_all_have_moved_up():
+    """Gap 1: all move up every generation, and every layer is bred again from those below."""
+    for evolution in generations_of(Settings(population=20, layers=4, age_gap=1, elite=1, tournament=2, generations=30), 1):
+        assert 5 <= len(evolution.population) <= 20

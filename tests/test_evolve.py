@@ -43,11 +43,12 @@ def in_process():
     return evolution, history
 
 
-@pytest.mark.parametrize("simulators", ["1", "2"])
-def test_a_run_through_nodes_is_the_run_in_process_bit_for_bit(tmp_path, in_process, simulators):
+@pytest.mark.parametrize("arguments", [["--simulators", "1"], ["--simulators", "2", "--quiet"]])
+def test_a_run_through_nodes_is_the_run_in_process_bit_for_bit(tmp_path, in_process, arguments):
     evolution, history = in_process
-    code, stdout, stderr = run("--simulators", simulators, out=tmp_path / "run")
+    code, stdout, stderr = run(*arguments, out=tmp_path / "run")
     assert code == 0, stderr
+    assert ("s of wall time" in stdout and "waiting for simulators" in stdout) == ("--quiet" not in arguments)
     assert "ros2 run evodevo_sim replay" in stdout
     assert load_genome(tmp_path / "run/champion.yaml") == evolution.champion.genome
     recording = read_recording(tmp_path / "run")
@@ -58,6 +59,19 @@ def test_a_run_through_nodes_is_the_run_in_process_bit_for_bit(tmp_path, in_proc
     grown = [champion for champion in recording.champions if not champion.evaluation.cause]
     assert [(a.generation, a.fitness) for a in recording.audits] == [(c.generation, c.evaluation.fitness) for c in grown] != []
     assert "audit: the fitness stands" in (tmp_path / "run/champion.yaml").read_text() and "the fitness stands" in stdout
+
+
+def test_a_layered_run_through_nodes_is_recorded_with_its_settings(tmp_path):
+    evolution = Evolution(Settings(generations=4, population=14, layers=2, age_gap=2), 3)
+    history = []
+    while not evolution.finished:
+        history.append(evolution.tell(evaluate_all(evolution.ask(), TASK, 3)))
+    code, _, stderr = run("--scheme", "alps", "--layers", "2", "--age-gap", "2", "--simulators", "1", out=tmp_path / "run")
+    assert code == 0, stderr
+    recording = read_recording(tmp_path / "run")
+    assert (recording.settings.layers, recording.settings.age_gap) == (2, 2)
+    assert [(s.best, s.diversity) for s in recording.statistics] == [(g.best, g.diversity) for g in history]
+    assert load_genome(tmp_path / "run/champion.yaml") == evolution.champion.genome
 
 
 def test_champions_that_fail_their_audit_are_marked_and_change_nothing_else(tmp_path, in_process):

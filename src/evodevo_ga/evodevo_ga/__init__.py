@@ -3,6 +3,7 @@
     from evodevo_ga import Evolution, Settings
 """
 
-from .evolution import Evolution, Generation, Individual, Settings, diversity
+from .evolution import Evolution, Generation, Individual, diversity
+from .settings import SCHEMES, Settings, scheme
 
-__all__ = ["Evolution", "Generation", "Individual", "Settings", "diversity"]
+__all__ = ["SCHEMES", "Evolution", "Generation", "Individual", "Settings", "diversity", "scheme"]

@@ -14,7 +14,8 @@ from evodevo_sim.parameters import PRESETS, TASKS, default_task, preset, with_se
 from evodevo_sim.worlds import PRESETS as WORLDS
 from evodevo_sim.worlds import with_world
 
-from .evolution import Settings
+from .feasible import check
+from .settings import DEFAULT_SCHEME, SCHEMES, Settings, scheme
 
 _EPILOG = """\
 examples:
@@ -24,6 +25,8 @@ examples:
       a long run; Ctrl-C ends it at any time and keeps all that was done
   ros2 run evodevo_ga evolve --preset high_drag
       in a thick fluid
+  ros2 run evodevo_ga evolve --scheme alps --generations 1000
+      a search that begins again for ever beside the best that it has
   ros2 run evodevo_ga evolve --task walk --world rough
       a walker on uneven ground (docs/walking.md tells the worlds)
   ros2 run evodevo_ga evolve --set scene.drag_normal=10 --set scene.drag_tangential=0.05
@@ -69,8 +72,12 @@ def parse(arguments: list[str]) -> Options:
     parser.add_argument("--simulators", type=int, metavar="N", help="start N simulator nodes of our own, whatever is on the graph")
     parser.add_argument("--look", default=2.5, type=float, metavar="S", help="seconds to look for simulators on the graph (default %(default)s)")
     parser.add_argument("--start", nargs="+", default=[], metavar="FILE|DIR", help="genomes to begin from, or runs with a champion.yaml")
-    parser.add_argument("--quiet", action="store_true", help="no progress bar")
+    parser.add_argument("--quiet", action="store_true", help="no progress bar, and no table of times")
     group = parser.add_argument_group("genetic algorithm")
+    group.add_argument(
+        "--scheme", default=DEFAULT_SCHEME, metavar="NAME",
+        help=f"a named set of the numbers below, which go over it: {', '.join(SCHEMES)} (default %(default)s); paper: its baseline; alps: age layers",
+    )
     for field in dataclasses.fields(Settings):
         group.add_argument(
             f"--{field.name.replace('_', '-')}", type=type(field.default), metavar="N" if isinstance(field.default, int) else "X",
@@ -87,10 +94,11 @@ def parse(arguments: list[str]) -> Options:
         named = preset(given.preset) if given.preset else {}
         task = with_settings(task, {"development.max_cells": given.cells, **starts, **named, **pairs(given.set)})
         chosen = {field.name: getattr(given, field.name) for field in dataclasses.fields(Settings)}
-        settings = Settings(**_OF_TASK.get(task.name, {}) | {name: value for name, value in chosen.items() if value is not None})
+        settings = Settings(**_OF_TASK.get(task.name, {}) | scheme(given.scheme) | {n: value for n, value in chosen.items() if value is not None})
         start = tuple(load_genome(_genome_file(Path(name))) for name in given.start)
         if len(start) > settings.population:
             raise ParameterError(f"--start gives {len(start)} genomes to a population of {settings.population}: give fewer")
+        check(task, settings, start)
     except (ParameterError, GenomeError) as error:
         parser.error(str(error))
     if not 0 <= given.seed < 2**63:
@@ -104,8 +112,8 @@ def parse(arguments: list[str]) -> Options:
 
 
 def _defaults(field) -> str:
-    by_task = [f"{settings[field.name]} for {name}" for name, settings in _OF_TASK.items() if field.name in settings]
-    return ", ".join([str(field.default), *by_task])
+    named = [f"{settings[field.name]} for {name}" for name, settings in (_OF_TASK | SCHEMES).items() if field.name in settings]
+    return ", ".join([str(field.default), *named])
 
 
 def _genome_file(path: Path) -> Path:

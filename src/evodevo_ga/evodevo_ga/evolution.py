@@ -1,55 +1,43 @@
-"""The genetic algorithm of the paper (section 3), ask/tell shaped: evaluation belongs to the caller.
+"""The genetic algorithm (paper section 3), ask/tell shaped: evaluation belongs to the caller.
 
     evolution = Evolution(Settings(population=100), seed=1)
     while not evolution.finished:
         generation = evolution.tell([evaluate(genome, task, seed) for genome in evolution.ask()])
+
+With `Settings(layers=...)` the population is layered by age (ALPS, Hornby 2006).  The age of an individual is that of its oldest
+line, from the random genome on.  A layer is bred from itself and from the one below; who is too old for its layer moves up, where
+the best remain; random genomes fill the youngest layer every `age_gap` generations.  So what is new competes with its like until
+it has had its time, and the search begins again for ever beside the best that it has.
 """
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from evodevo_sim import Evaluation, Genome, ParameterError, Status, random_genome
-from evodevo_sim.parameters import Checked, parameter
 
 from .operators import crossover, delete, duplicate, flip, mutate_points, mutate_scent, scatter_scent, tournament
-
-
-@dataclass(frozen=True)
-class Settings(Checked):
-    """The genetic algorithm's numbers, and the random genomes that it starts from."""
-
-    population: int = parameter(100, 2, 1_000_000, "", "individuals")
-    generations: int = parameter(50, 1, 1_000_000_000, "", "to run at the most")
-    patience: int = parameter(500, 1, 1_000_000_000, "", "generations without improvement that end a run")
-    elite: int = parameter(2, 1, 1_000_000, "", "best individuals that live on unchanged")
-    tournament: int = parameter(4, 1, 1_000_000, "", "individuals drawn to choose a parent")
-    crossover: float = parameter(0.2, 0.0, 1.0, "", "share of the children that have two parents")
-    point_mutation: float = parameter(0.03, 0.0, 1.0, "", "probability that an element's point moves")
-    point_scale: float = parameter(1.0, 0.0, 1e3, "", "standard deviation of the length of that move")
-    duplication: float = parameter(0.05, 0.0, 1.0, "", "probability per child")
-    deletion: float = parameter(0.05, 0.0, 1.0, "", "probability per child")
-    run_length: float = parameter(2.6, 1.0, 1e3, "", "mean elements in a duplicated or deleted run")
-    flip: float = parameter(0.005, 0.0, 1.0, "", "probability per element of a change of sign, or of a gene's kind")
-    units: int = parameter(20, 0, 10_000, "", "regulatory units in a random genome")
-    extent: float = parameter(1.0, 0.0, 1e3, "", "half side of the square of a random genome's points")
-    scent_extent: float = parameter(0.0, 0.0, 1e3, "", "half side of the square of the scent's points in the first population; 0 is extent")
-    scent_mutation: float = parameter(0.0, 0.0, 1.0, "", "probability per child that the scent's point moves, beyond point_mutation")
-    start_share: float = parameter(0.5, 0.0, 1.0, "", "of the first population, that given genomes and their mutants make up")
-
-    def __post_init__(self):
-        super().__post_init__()
-        if self.elite >= self.population:
-            raise ParameterError(f"settings.elite is {self.elite}: give less than the population of {self.population}")
+from .settings import Settings
 
 
 @dataclass(frozen=True)
 class Individual:
+    """Attributes: born: generation of the random genome from which its oldest line comes; layer: of ages, 0 the youngest."""
+
     genome: Genome
     evaluation: Evaluation
+    born: int = 0
+    layer: int = 0
+
+
+class _Child(NamedTuple):
+    genome: Genome
+    born: int
+    layer: int
 
 
 @dataclass(frozen=True)
@@ -90,7 +78,7 @@ class Evolution:
         self.generation = -1
         self.evaluations = 0
         self.stagnation = 0
-        self._children: list[Genome] = []
+        self._children: list[_Child] = []
         self._asked: list[Genome] = []
 
     @property
@@ -104,14 +92,10 @@ class Evolution:
     def ask(self) -> list[Genome]:
         """The next generation's genomes that still need an evaluation: each once, and none that the population knows."""
         if not self._children:
-            s = self.settings
             rng = np.random.default_rng((self.seed, self.generation + 1))
-            if self.population:
-                self._children = [self._child(rng) for _ in range(s.population - s.elite)]
-            else:
-                self._children = self._first(rng)
+            self._children = self._breed(rng) if self.population else self._first(rng)
             known = self._known()
-            self._asked = list({genome.key(): genome for genome in self._children if genome.key() not in known}.values())
+            self._asked = list({one.genome.key(): one.genome for one in self._children if one.genome.key() not in known}.values())
         return self._asked
 
     def tell(self, evaluations: list[Evaluation]) -> Generation:
@@ -120,12 +104,10 @@ class Evolution:
             raise ValueError(f"{len(evaluations)} evaluations for {len(self._asked)} genomes: give one each, in the order asked")
         known = self._known() | {genome.key(): evaluation for genome, evaluation in zip(self._asked, evaluations)}
         before = self.champion.evaluation.fitness if self.population else -np.inf
-        children = [Individual(genome, known[genome.key()]) for genome in self._children]
-        elite = self.population[: self.settings.elite]
-        # The sort is stable and children come first, so of equals the younger lives on: neutral drift.
-        self.population = sorted(children + elite, key=lambda one: -one.evaluation.fitness)
-        self._children, self._asked = [], []
+        children = [Individual(genome, known[genome.key()], born, layer) for genome, born, layer in self._children]
         self.generation += 1
+        self.population = self._settle(children + self._elite())
+        self._children, self._asked = [], []
         self.evaluations += len(evaluations)
         improved = self.champion.evaluation.fitness > before
         self.stagnation = 0 if improved else self.stagnation + 1
@@ -134,20 +116,58 @@ class Evolution:
     def _known(self) -> dict[bytes, Evaluation]:
         return {one.genome.key(): one.evaluation for one in self.population}
 
-    def _child(self, rng: np.random.Generator) -> Genome:
+    def _elite(self) -> list[Individual]:
         s = self.settings
-        fitness = np.array([one.evaluation.fitness for one in self.population])
-        genome = self.population[tournament(fitness, rng, s.tournament)].genome
-        if rng.random() < s.crossover:
-            genome = crossover(genome, self.population[tournament(fitness, rng, s.tournament)].genome, rng)
-        return self._mutant(genome, rng)
+        return [one for layer in range(s.layers) for one in [p for p in self.population if p.layer == layer][: s.elite]]
 
-    def _first(self, rng: np.random.Generator) -> list[Genome]:
+    def _settle(self, everyone: list[Individual]) -> list[Individual]:
+        """The best, as many as each layer holds, best first.  Who is too old for its layer moves up."""
+        s, kept = self.settings, []
+        room = [s.size] * s.layers
+        # The sort is stable and children come first, so of equals the younger lives on: neutral drift.
+        for one in sorted(everyone, key=lambda one: -one.evaluation.fitness):
+            layer = max(one.layer, s.layer_of(self.generation - one.born))
+            if room[layer]:
+                room[layer] -= 1
+                kept.append(one if layer == one.layer else replace(one, layer=layer))
+        return kept
+
+    def _breed(self, rng: np.random.Generator) -> list[_Child]:
+        s, now, children = self.settings, self.generation + 1, []
+        for layer in range(s.layers):
+            if layer == 0 and s.layers > 1 and now % s.age_gap == 0:
+                children += [_Child(genome, now, 0) for genome in self._scattered(self._random(s.size, rng), rng)]
+                continue
+            # Where all have just moved up, there may be no parents nearer than the youngest layer, which is never empty.
+            parents = [p for p in self.population if layer - 1 <= p.layer <= layer] or [p for p in self.population if p.layer < layer]
+            fitness = np.array([one.evaluation.fitness for one in parents])
+            children += [self._child(parents, fitness, layer, rng) for _ in range(s.size - s.elite)]
+        return children
+
+    def _child(self, parents: list[Individual], fitness: np.ndarray, layer: int, rng: np.random.Generator) -> _Child:
+        s = self.settings
+        mother = parents[tournament(fitness, rng, s.tournament)]
+        genome, born = mother.genome, mother.born
+        if rng.random() < s.crossover:
+            father = parents[tournament(fitness, rng, s.tournament)]
+            genome, born = crossover(genome, father.genome, rng), min(born, father.born)
+        return _Child(self._mutant(genome, rng), born, layer)
+
+    def _first(self, rng: np.random.Generator) -> list[_Child]:
+        """The first population: what is given and its mutants in the oldest layers, random genomes in the others."""
         s, given = self.settings, list(self.start[: self.settings.population])
         count = round(s.start_share * s.population) if given else 0
         others = [self._mutant(given[k % len(given)], rng) for k in range(len(given), count)]
-        others += [random_genome(rng, s.units, s.extent) for _ in range(s.population - len(given) - len(others))]
-        return given + [scatter_scent(genome, rng, s.scent_extent) if s.scent_extent else genome for genome in others]
+        others += self._random(s.population - len(given) - len(others), rng)
+        genomes = given + self._scattered(others, rng)
+        return [_Child(genome, 0, s.layers - 1 - k // s.size) for k, genome in enumerate(genomes)]
+
+    def _random(self, count: int, rng: np.random.Generator) -> list[Genome]:
+        return [random_genome(rng, self.settings.units, self.settings.extent) for _ in range(count)]
+
+    def _scattered(self, genomes: list[Genome], rng: np.random.Generator) -> list[Genome]:
+        extent = self.settings.scent_extent
+        return [scatter_scent(genome, rng, extent) for genome in genomes] if extent else genomes
 
     def _mutant(self, genome: Genome, rng: np.random.Generator) -> Genome:
         s = self.settings

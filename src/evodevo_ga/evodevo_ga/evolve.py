@@ -19,6 +19,7 @@ from evodevo_sim.nodes.own import OwnSimulators
 from evodevo_sim.recording import Recorder, RecordingError, record_performance
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
+from rich.console import Console
 from tqdm import tqdm
 
 from .arguments import Options, cores, parse
@@ -26,6 +27,7 @@ from .auditor import Auditor, Finding
 from .evolution import Evolution, Individual
 from .fleet import Fleet, FleetError, find_simulators
 from .messages import audit_message, champion_message, evolution_message, statistics_message
+from .times import AUDITS, BREEDING, CHAMPION, EVALUATION, RECORDING, START, Times, table
 
 _DISCOVERY_OF_ALL = 4.0  # s from the node's start in which simulators are found if one is: DDS announces every 3 s
 _MORE = 0.5  # s at the least to look, and to wait for another one after each
@@ -61,8 +63,9 @@ def main(arguments: list[str] | None = None) -> int:
         with Recorder(options.out) as recorder:
             rclpy.init(args=["evolve", *arguments], signal_handler_options=SignalHandlerOptions.NO)
             run = _Run(options, recorder, stop)
-            prepare(options.task)  # before simulators start, so that they only load the kernels
-            audit.prepare(options.task)
+            with run.times(START):
+                prepare(options.task)  # before simulators start, so that they only load the kernels
+                audit.prepare(options.task)
             with Auditor(options.task, options.seed) as run.auditor:
                 return run.go()
     except (RecordingError, FleetError) as error:
@@ -79,6 +82,7 @@ class _Run:
         self.options, self.recorder, self.stop = options, recorder, stop
         self.node = rclpy.create_node("evolve")
         self.began = time.monotonic()
+        self.times = Times()
         self.executor = SingleThreadedExecutor()
         self.executor.add_node(self.node)
         self.statistics = self.node.create_publisher(msg.GenerationStatistics, "evolution/statistics", 10)
@@ -101,11 +105,12 @@ class _Run:
     def _find_simulators_and_evolve(self) -> None:
         o = self.options
         self.recorder.write("evolution/settings", evolution_message(o.settings, o.task, o.seed, o.start), time.time_ns(), latched=True)
-        services = [] if o.simulators else self._find()
+        with self.times(START):
+            services = [] if o.simulators else self._find()
         if services:
             print(f"Evolving on {len(services)} simulators of the graph: {', '.join(services)}; recording to {o.out}", flush=True)
             try:
-                return self._evolve(Fleet(self.node, self.executor, services), _ANSWER)
+                return self._evolve(Fleet(self.node, self.executor, services, self.times), _ANSWER)
             except FleetError:  # those that were killed are listed for a while
                 if self.evolution.population:
                     raise
@@ -113,7 +118,7 @@ class _Run:
         count = o.simulators or cores()
         with OwnSimulators(count, o.out / "simulators.log", task=o.task.name) as own:
             print(f"Evolving on {count} simulators of our own; recording to {o.out}", flush=True)
-            self._evolve(Fleet(self.node, self.executor, own.services), _START, own.alive)
+            self._evolve(Fleet(self.node, self.executor, own.services, self.times), _START, own.alive)
 
     def _find(self) -> list[str]:
         """The simulators on the graph.  Discovery goes on in threads of its own since the node began, also while we compiled."""
@@ -127,18 +132,23 @@ class _Run:
 
     def _evolve(self, fleet: Fleet, seconds: float, alive=lambda: True) -> None:
         o = self.options
-        fleet.wait(seconds, alive, self.stop)
+        with self.times(START):
+            fleet.wait(seconds, alive, self.stop)
         bar = tqdm(total=o.settings.generations, unit="gen", disable=o.quiet, mininterval=0.1 if sys.stderr.isatty() else 5.0)
         with bar:
             while not (self.evolution.finished or self.stop()):
                 began = time.monotonic()
-                asked = self.evolution.ask()
-                evaluations = fleet.evaluate(asked, o.task, o.seed, self.stop)
+                with self.times(BREEDING):
+                    asked = self.evolution.ask()
+                with self.times(EVALUATION):
+                    evaluations = fleet.evaluate(asked, o.task, o.seed, self.stop)
                 if evaluations is None:
                     break
-                generation = self.evolution.tell(evaluations)
+                with self.times(BREEDING):
+                    generation = self.evolution.tell(evaluations)
                 rate = len(asked) / (time.monotonic() - began)
-                self._record(generation, rate)
+                with self.times(RECORDING):
+                    self._record(generation, rate)
                 bar.set_postfix_str(
                     f"best {generation.best:.3f}, median {generation.median:.3f}, diversity {generation.diversity:.2f}, {rate:.0f} evaluations/s",
                     refresh=False,
@@ -186,9 +196,13 @@ class _Run:
             print(f"Stopped before the first generation: {self.options.out} holds the settings alone.")
             return 130
         champion = self.champion
-        self._finish_audits()
-        performance = perform(champion.genome, self.options.task, self.options.seed)
-        record_performance(self.recorder, performance, time.time_ns())
+        with self.times(AUDITS):
+            self._finish_audits()
+        with self.times(CHAMPION):
+            performance = perform(champion.genome, self.options.task, self.options.seed)
+            gait = self._gait(performance)
+        with self.times(RECORDING):
+            record_performance(self.recorder, performance, time.time_ns())
         m = champion.evaluation.metrics
         print(
             f"{self.evolution.generation + 1} generations, {self.evolution.evaluations} evaluations. "
@@ -196,10 +210,13 @@ class _Run:
             f"{m.distance:.2f} cell diameters in all, {m.distance_second_half:.2f} in the second half, "
             f"activation amplitude {m.activation_amplitude:.2f}.\n"
             f"Audit:    {self.verdict}\n"
-            f"Gait:     {self._gait(performance)}.\n"
+            f"Gait:     {gait}.\n"
             f"See it:   ros2 run evodevo_sim replay {self.options.out}\n"
             f"Genome:   {self.options.out / 'champion.yaml'}"
         )
+        if not self.options.quiet:
+            note = f"beside it: {self.auditor.done} audits, {self.auditor.cpu:.1f} s of one core"
+            Console().print(table(self.times.seconds(), note))
         return 130 if self.stop.asked else 0
 
     def _gait(self, performance) -> str:

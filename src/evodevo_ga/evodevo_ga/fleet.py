@@ -11,6 +11,8 @@ from evodevo_sim import Evaluation, Genome, Task
 from evodevo_sim.messages import evaluation_from_message, genome_message, task_message
 from rclpy.callback_groups import ReentrantCallbackGroup
 
+from .times import MESSAGES, Times
+
 SERVICE_TYPE = "evodevo_msgs/srv/Evaluate"
 BATCH = 4  # genomes in a request: small, so that the last one to finish keeps nobody waiting
 IN_FLIGHT = 2  # requests queued at a node, so that it never waits for us
@@ -39,10 +41,11 @@ class _Request:
 class Fleet:
     """Evaluates genomes on simulator nodes.  The outcome does not depend on who evaluates what, or when.
 
-    Args: node, executor: of the caller, who owns them; services: names of `evaluate` services.
+    Args: node, executor: of the caller, who owns them; services: names of `evaluate` services; times: told how long messages take.
     """
 
-    def __init__(self, node, executor, services: list[str]):
+    def __init__(self, node, executor, services: list[str], times: Times | None = None):
+        self._times = times or Times()
         group = ReentrantCallbackGroup()
         self._executor = executor
         self._node = node
@@ -73,7 +76,8 @@ class Fleet:
         """
         waiting = deque(list(range(i, min(i + BATCH, len(genomes)))) for i in range(0, len(genomes), BATCH))
         results: list[Evaluation | None] = [None] * len(genomes)
-        message, messages = task_message(task), [genome_message(genome) for genome in genomes]
+        with self._times(MESSAGES):
+            message, messages = task_message(task), [genome_message(genome) for genome in genomes]
         under_way: list[_Request] = []
         steps = task.development.steps + task.starts * (task.settling_limit + task.control_steps)
         patience = ANSWER_WITHIN + _SLOW_STEP * BATCH * IN_FLIGHT * steps
@@ -83,8 +87,9 @@ class Fleet:
             for server in self._servers:
                 while waiting and sum(request.server is server for request in under_way) < IN_FLIGHT:
                     places = waiting.popleft()
-                    request = Evaluate.Request(task=message, seed=seed, genomes=[messages[i] for i in places])
-                    under_way.append(_Request(places, server, server.call_async(request), time.monotonic() + patience))
+                    with self._times(MESSAGES):
+                        future = server.call_async(Evaluate.Request(task=message, seed=seed, genomes=[messages[i] for i in places]))
+                    under_way.append(_Request(places, server, future, time.monotonic() + patience))
             self._executor.spin_once(timeout_sec=0.1)
             under_way = [request for request in under_way if not self._take(request, results, waiting)]
         return results
@@ -94,8 +99,9 @@ class Fleet:
         if request.future.done():
             response = request.future.result()
             if not response.error:
-                for i, evaluation in zip(request.genomes, response.evaluations, strict=True):
-                    results[i] = evaluation_from_message(evaluation)
+                with self._times(MESSAGES):
+                    for i, evaluation in zip(request.genomes, response.evaluations, strict=True):
+                        results[i] = evaluation_from_message(evaluation)
                 return True
             self._drop(request.server, response.error)
         elif not request.server.service_is_ready():

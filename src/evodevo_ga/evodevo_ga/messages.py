@@ -10,7 +10,8 @@ from evodevo_sim import Genome, Task, __version__
 from evodevo_sim.messages import evaluation_message, genome_message, task_message, time_message
 
 from .auditor import Finding
-from .evolution import Generation, Individual, Settings
+from .evolution import Generation, Individual
+from .settings import Settings
 
 
 def evolution_message(settings: Settings, task: Task, seed: int, start: Sequence[Genome] = ()) -> msg.Evolution:

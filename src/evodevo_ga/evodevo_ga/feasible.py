@@ -1,0 +1,69 @@
+"""Settings that are each in range, and yet together leave nothing to evolve: refused before a run begins."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from evodevo_sim import Genome, ParameterError, Task
+from evodevo_sim.physics import ACCURATE_RK4, MOST_SUBSTEPS
+
+from .settings import Settings
+
+_LEAST_CELLS = 3  # of a body with a chamber
+
+
+def check(task: Task, settings: Settings, start: Sequence[Genome] = ()) -> None:
+    """Raises ParameterError where no genome could score, or no child differ from its parents."""
+    _check_growth(task)
+    _check_physics(task)
+    _check_scene(task)
+    _check_search(task, settings, start)
+
+
+def _check_growth(task: Task) -> None:
+    d = task.development
+    if d.max_cells < _LEAST_CELLS:
+        raise ParameterError(f"development.max_cells is {d.max_cells}: give {_LEAST_CELLS} or more, a body without a chamber scores nothing")
+    # The division factor starts at 0 and goes a share of the way to its target, which is below 1, in each step.
+    most = 1.0 - (1.0 - d.regulation_rate) ** d.steps
+    if most <= d.division_threshold:
+        raise ParameterError(
+            f"development.division_threshold is {d.division_threshold:g}: give less than {most:.3g}, which no cell can pass in "
+            f"{d.steps} steps at a regulation_rate of {d.regulation_rate:g}"
+        )
+
+
+def _check_physics(task: Task) -> None:
+    """Whether even the body that asks for the fewest physics steps asks for too many.
+
+    By the bounds of `physics.frequency_bound`: a cell of a chamber has two springs, whose directions make a matrix with an
+    eigenvalue of 1 or more; a convex chamber with up to n corners has one that gives 2 tan(pi / n) or, of a triangle, sqrt(3).
+    """
+    m = task.material
+    corner = min(math.sqrt(3.0), 2.0 * math.tan(math.pi / max(4, task.development.max_cells)))
+    frequency = math.sqrt((2.0 * m.stiffness + corner * m.pressure) / m.mass)
+    need = task.control_step * max(frequency, 2.0 * m.damping / m.mass) / ACCURATE_RK4
+    if need > MOST_SUBSTEPS:
+        raise ParameterError(
+            f"task.control_step is {task.control_step:g}: give less than {task.control_step * MOST_SUBSTEPS / need:.3g} s, or lower material."
+            f"stiffness, damping or pressure: every body would need more than {MOST_SUBSTEPS} physics steps in each"
+        )
+
+
+def _check_scene(task: Task) -> None:
+    s = task.scene
+    if task.name == "walk":
+        if s.gravity == 0.0:
+            raise ParameterError("scene.gravity is 0: give more, a walker would never come to rest on the ground")
+    elif s.drag_normal == 0.0 and s.drag_tangential == 0.0:
+        raise ParameterError("scene.drag_normal and scene.drag_tangential are 0: give one of them more, without a fluid nothing can swim")
+
+
+def _check_search(task: Task, settings: Settings, start: Sequence[Genome]) -> None:
+    s = settings
+    if s.units == 0 and not start:
+        raise ParameterError("settings.units is 0: give 1 or more, or genomes by --start: without units no muscle can oscillate")
+    moves = (s.point_mutation or (s.scent_mutation and task.has_target)) and s.point_scale
+    if not (moves or s.crossover or s.duplication or s.deletion or s.flip):
+        raise ParameterError("settings.point_mutation is 0, and so is every other operator: give one of them more, or no child differs from its parent")
