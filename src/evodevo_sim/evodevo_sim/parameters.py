@@ -129,10 +129,10 @@ class Chemotaxis(Checked):
     """The scent of a target, and the tests of chemotaxis (paper section 4.3)."""
 
     scent_peak: float = parameter(10.0, 0.0, 1e3, "", "scent at the target")
-    scent_reach: float = parameter(25.0, 1e-3, 1e6, "m", "distance at which the scent has fallen to 0")
-    distance: float = parameter(12.0, 1e-3, 1e6, "m", "of the targets from the centre of mass at birth")
+    scent_reach: float = parameter(14.0, 1e-3, 1e6, "m", "distance at which the scent has fallen to 0; swimming farther than that pays no more")
+    distance: float = parameter(8.0, 1e-3, 1e6, "m", "of the targets from the centre of mass at birth")
     angle: float = parameter(math.pi / 2, 0.0, math.pi, "rad", "of the targets from the way that it swims without one, to either side")
-    pairs: int = parameter(1, 1, 100, "", "of targets, one on the left and one on the right each")
+    pairs: int = parameter(2, 1, 100, "", "of targets, one on the left and one on the right each")
     spread: float = parameter(0.3, 0.0, 0.9, "", "of pairs: the last one's angle is larger, its distance smaller by this share, the first one's the other way")
     least_distance: float = parameter(1.0, 0.0, 1e6, "m", "to swim without a target, before it is tested with targets")
     turning_weight: float = parameter(4.0, 0.0, 1e6, "", "of metres that turning has brought it nearer to both targets")
