@@ -5,7 +5,7 @@ All in one file: numba's cache looks at this file and, by `_jit`, at those of ev
 
 import numpy as np
 from evodevo_sim._jit import kernel, lean
-from evodevo_sim.gabriel import gabriel_edges
+from evodevo_sim.gabriel import follow
 from evodevo_sim.integrators import carry, carry_adaptively, set_muscles
 from evodevo_sim.physics import accelerations, check
 from evodevo_sim.regulation import exchange, regulate
@@ -36,10 +36,20 @@ def many_regulations(network, table, drive, start, neighbour, share, rate, cells
 
 
 @lean
-def many_graphs(position, witness, edges, calls):
-    count = 0
-    for _ in range(calls):
-        count = gabriel_edges(position, position.shape[0], witness, edges)
+def many_graphs(position, moves, holds, witness, edges, spare, calls):
+    """Keep a graph up to date while all cells move, to and fro along moves (M, N, 2) in turn.  Returns the number of edges."""
+    cells, travelled, count = position.shape[0], 0.0, 0
+    for i in range(cells):
+        holds[i] = -1.0
+    for call in range(calls):
+        count, _ = follow(position, cells, travelled, holds, witness, edges, count, spare)
+        sign, move = 1.0 if call // moves.shape[0] % 2 == 0 else -1.0, moves[call % moves.shape[0]]
+        most = 0.0
+        for i in range(cells):
+            position[i, 0] += sign * move[i, 0]
+            position[i, 1] += sign * move[i, 1]
+            most = max(most, move[i, 0] ** 2 + move[i, 1] ** 2)
+        travelled += np.sqrt(most)
     return count
 
 

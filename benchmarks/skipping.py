@@ -16,6 +16,7 @@ from common import FULL, QUICK, STEP, TINY, Figure, best, champion, default_law,
 from evodevo_sim import Status, Task, evaluate, random_genome
 from evodevo_sim.swim_task import kernel_arguments
 from evodevo_sim.integrators import make_system, make_work
+from evodevo_sim.lanes import aligned
 from evodevo_sim.regulation import DIVISION, express, prune
 from evodevo_sim.stability import EULER, RK4
 from evodevo_sim.life import OK, birth
@@ -91,7 +92,7 @@ def born(genome, task, reads, inputs, unused):
         needed = prune(weights, units, np.array([False, False, True, True]), given).nodes
         weights[units + DIVISION, np.setdiff1d(np.arange(units), needed)] = NEAR_NOTHING
     network = prune(weights, units, np.array(reads), given if inputs is None else np.ones(given.size, bool))
-    return life._replace(network=network, drive=np.empty((network.nodes.size, life.muscle.size)))
+    return life._replace(network=network, drive=aligned(network.nodes.size, life.muscle.size))
 
 
 def lives(life, task):

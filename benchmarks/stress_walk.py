@@ -65,7 +65,7 @@ def run(system, work, control_steps, control_step, position, velocity, driven, g
             outcome = check(body, p, v, control_step / count)
             if outcome == SOUND:
                 break
-        below, above = clearance(system.terrain, p[0], p[1])
+        below, above = clearance(system.terrain, system.body.outline, p[0], p[1])
         low, high, k = min(low, below), min(high, above), k + 1
     end = np.array(stored_energy(body, system.law, system.rest, system.gravity, p, v)).sum()
     return outcome, k, low, high, ledger, end - begin, begin + max(ledger[0], 0.0)
@@ -100,7 +100,7 @@ def main():
         gravity, friction = rng.choice([2.0, 5.0, 10.0]), rng.choice([0.0, 0.3, 0.8, 2.0])
         system = make_system(body, law, gravity, friction, True, terrain=terrain)
         position = np.ascontiguousarray(body.position.T)
-        position[1] += rng.uniform(0.0, 4.0) - clearance(terrain, position[0], position[1])[0]
+        position[1] += rng.uniform(0.0, 4.0) - clearance(terrain, body.outline, position[0], position[1])[0]
         velocity = rng.normal(0.0, 1.5, position.shape) + rng.normal(0.0, 5.0, (2, 1))
         outcome, done, low, high, ledger, gain, came = run(
             system, make_work(body), CONTROL_STEPS, task.control_step, position, velocity, k % 3 > 0, rng.uniform(0.2, 1.0), 0.1, k

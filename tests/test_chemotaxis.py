@@ -48,7 +48,7 @@ def test_every_cell_smells_the_target_at_its_own_place():
     places = animat.position.copy()
     animat.step()
     away = np.hypot(*(places - animat.target).T)
-    assert smelt(animat) == pytest.approx(10.0 * (1.0 - away / 25.0), abs=1e-12)
+    assert smelt(animat) == pytest.approx(10.0 * np.maximum(0.0, 1.0 - away / TASK.chemotaxis.scent_reach), abs=1e-12)
     animat.target = None
     animat.step()
     assert not smelt(animat).any()
@@ -147,7 +147,7 @@ def seeker(path, left, right, actives=(1.0, 1.0)):
     """Trials of made-up paths, which begin at 0 and head along x."""
     targets = np.array([(DISTANCE * np.cos(a), DISTANCE * np.sin(a)) for a in (ANGLE, -ANGLE)])
     return Trials(
-        0, -1, path, 0.3, 1.0, 2, 12, 20, 9, True, (1.0, 0.0), targets, np.array([left, right]), np.array(actives)
+        0, -1, path, 0.3, 1.0, 2, 12, 20, 9, True, (1.0, 0.0), targets, np.array([left, right]), np.array(actives), 2
     )
 
 
@@ -232,7 +232,7 @@ def test_pairs_spread_about_the_one_and_the_worst_of_all_targets_pays():
 
     def paid(*ends):
         paths = np.array([np.linspace(0.0, 1.0, LENGTH + 1)[:, None] * end for end in ends])
-        return score(Trials(0, -1, line(20.0), 0.3, 1.0, 2, 12, 20, 9, True, (1.0, 0.0), targets, paths, np.ones(4)), task).fitness
+        return score(Trials(0, -1, line(20.0), 0.3, 1.0, 2, 12, 20, 9, True, (1.0, 0.0), targets, paths, np.ones(4), 4), task).fitness
 
     all_four, three = paid(*targets), paid(*targets[:3], np.array([20.0, 0.0]))
     assert three == pytest.approx(20.0 + 2 * TASK.activity_bonus) and all_four > three + 50.0

@@ -1,14 +1,15 @@
-"""Ground contact: closed forms of sliding, sticking and bouncing on level and sloping ground; nothing sinks, nothing gains energy."""
+"""Contact with the ground: closed forms of sliding, sticking and bouncing, on cells and on edges; nothing sinks, nothing gains energy."""
 
 import numpy as np
 import pytest
 from bodies import NO_LEDGER, STEP, body_of, random_body, slab, wave
 from evodevo_sim import Scene
+from evodevo_sim.contact import meet_tips
 from evodevo_sim.energy import stored_energy
 from evodevo_sim.integrators import euler, make_system, make_work
 from evodevo_sim.physics import Law
 from evodevo_sim.stability import bounds, longest_step
-from evodevo_sim.terrain import FLAT, height, make_terrain, touching
+from evodevo_sim.terrain import FLAT, clearance, make_terrain, touching
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -134,17 +135,23 @@ def stress(seed, terrain, friction, steps=400):
     depth = np.inf
     for k in range(steps):
         euler(system, k * h, h, p, v, work, ledger)
-        if terrain.x.size:
-            depth = min(depth, min(y - height(terrain.x, terrain.y, x) for x, y in p.T))
-        else:
-            depth = min(depth, p[1].min())
+        depth = min(depth, *clearance(terrain, body.outline, p[0], p[1]))
     return p, v, depth, ledger
 
 
-@settings(max_examples=25, deadline=None)
-@given(st.integers(0, 2**32 - 1), st.sampled_from([0.0, 0.5, 2.0]), st.booleans())
-def test_random_bodies_dropped_kicked_and_driven_stay_finite_and_above_ground(seed, friction, rough):
-    p, v, depth, ledger = stress(seed, ROUGH if rough else FLAT, friction)
+def spikes(*tips, width=0.2):
+    """Level ground at 0 with spikes (x, height)."""
+    points = [(x + side * width / 2, y * (side == 0)) for x, y in tips for side in (-1, 0, 1)]
+    return make_terrain(Scene(ground_x=tuple(x for x, _ in points), ground_y=tuple(y for _, y in points)))
+
+
+SPIKES = spikes(*((x + 0.05 * x * x, 1.0 + x % 2) for x in range(-6, 7)))
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.sampled_from([0.0, 0.5, 2.0]), st.sampled_from([FLAT, ROUGH, SPIKES]))
+def test_random_bodies_dropped_kicked_and_driven_stay_finite_and_above_ground(seed, friction, terrain):
+    p, v, depth, ledger = stress(seed, terrain, friction)
     assert np.isfinite(p).all() and np.isfinite(v).all()
     assert depth > -1e-9 and depth > -0.01 * RADIUS
     assert ledger[3] <= 1e-3 * abs(ledger[1:3]).sum() + 1e-9  # the ground gives no energy, but for order h
@@ -164,3 +171,57 @@ def test_level_ground_as_a_profile_is_level_ground():
     for terrain in (FLAT, make_terrain(Scene(ground_x=(-50.0, 0.3, 50.0), ground_y=(0.0, 0.0, 0.0)))):
         ends.append(march(make_system(body, LAW, G, 0.5, True, wave(body), terrain), 240, position, np.zeros_like(position))[0])
     assert ends[0] == pytest.approx(ends[1], abs=1e-9)
+
+
+@pytest.mark.parametrize("share", [0.5, 0.2, 0.0], ids=["middle", "fifth", "cell"])
+@pytest.mark.parametrize("friction", [0.0, 0.3, 9.0], ids=["smooth", "slides", "sticks"])
+def test_a_tip_pushes_the_two_cells_of_an_edge_by_how_near_it_is_to_each(share, friction):
+    body = body_of([(0, 0), (1, 0)], mass=2.0)
+    terrain = spikes((share + H, 1.0))  # where the edge would be after the step
+    before = np.array([[0.0, 1.0], [1.01, 1.01]])
+    speed = np.array([[1.0, 1.0], [-4.0, -4.0]])
+    p, v = before + H * speed, speed.copy()
+    meet_tips(terrain, friction, H, body, before, p, v)
+    impulse = 2.0 * (v - speed)
+    assert impulse[:, 1] * (1 - share) == pytest.approx(impulse[:, 0] * share, abs=1e-3)
+    normal, along = impulse[1].sum(), impulse[0].sum()
+    point = v @ (1 - share, share)
+    assert point[1] == pytest.approx(-0.01 / H, rel=5e-3) and normal > 0  # it lands just on the tip
+    assert clearance(terrain, body.outline, p[0], p[1])[0] == pytest.approx(0, abs=1e-9)
+    if friction < 9:
+        assert along == pytest.approx(-friction * normal, rel=1e-3) and point[0] > 0
+    else:
+        assert point[0] == pytest.approx(0, abs=0.05) and -along < friction * normal
+    assert np.square(v).sum() < np.square(speed).sum()
+
+
+def test_a_long_edge_comes_to_rest_on_tips_under_it():
+    body = body_of([(0, 0), (4, 0), (2, 2.5)])
+    terrain = spikes((1.0, 1.0), (3.2, 1.0))
+    system = make_system(body, STIFF, G, 0.8, True, terrain=terrain)
+    p, _ = march(system, 4000, body.position.T + [[0.0], [1.5]], np.zeros((2, 3)), H / 8)
+    q, w = march(system, 4000, p, np.zeros_like(p), H / 8)
+    assert np.abs(q - p).max() < 1e-6 and np.abs(w).max() < 1e-6
+    assert q[1].min() > 0.9 and clearance(terrain, body.outline, q[0], q[1])[0] == pytest.approx(0, abs=1e-9)
+
+
+@pytest.mark.parametrize("shift", [0.0, 0.3, 0.77])
+def test_a_body_dropped_on_a_spike_does_not_sink_through_it(shift):
+    body, terrain = slab(6, 3), spikes((2.5, 3.0))
+    system, depth = make_system(body, LAW, G, 0.5, True, terrain=terrain), []
+    ledger, position = np.zeros(4), body.position.T + [[shift], [5.0]]
+    start = sum(stored_energy(body, system.law, system.rest, G, position, np.zeros_like(position)))
+    p, v = march(system, 4800, position, np.zeros_like(position), H / 4, ledger,
+                 look=lambda p, v: depth.append(clearance(terrain, body.outline, p[0], p[1])[0]))
+    assert -1e-8 < min(depth) < 1e-9
+    end = sum(stored_energy(body, system.law, system.rest, G, p, v))
+    assert ledger.sum() - 0.01 * start < end - start < ledger.sum() + 1e-3 * start and ledger[3] < 0.0
+
+
+def test_a_ceiling_has_tips_too():
+    ground = make_terrain(Scene(ceiling_x=(-9.0, 0.4, 0.5, 0.6, 9.0), ceiling_y=(6.0, 6.0, 4.0, 6.0, 6.0)))
+    body = body_of([(0, 0), (1, 0)])
+    system, depth = make_system(body, LAW, 0.0, 0.5, True, terrain=ground), []
+    march(system, 400, body.position.T + [[0.0], [3.0]], np.array([[0.0, 0.0], [3.0, 3.0]]),
+          look=lambda p, v: depth.append(clearance(ground, body.outline, p[0], p[1])[1]))
+    assert -1e-9 < min(depth) < 1e-9

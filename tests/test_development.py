@@ -64,10 +64,13 @@ def test_growth_is_the_same_every_time(variant):
         assert np.array_equal(once.position, again.position, equal_nan=True)
 
 
-def test_every_recorded_graph_is_the_gabriel_graph_of_its_moment():
-    performance = life(first_viable(1)[0])
-    last = performance.growth[-1]
-    assert performance.growth_edges[-1].tolist() == gabriel_graph(last).tolist()
+@pytest.mark.parametrize("variant", ["continual_graph", "graph_at_end"])
+@settings(max_examples=15, deadline=None)
+@given(seed=st.integers(0, 10_000), steps=st.integers(1, 150))
+def test_growth_ends_at_any_step_with_the_gabriel_graph_of_that_moment(variant, seed, steps):
+    genome = random_genome(np.random.default_rng(seed)) if seed % 3 else dividing()
+    performance = life(genome, variant=variant, steps=steps, max_cells=24)
+    assert performance.growth_edges[-1].tolist() == gabriel_graph(performance.growth[-1]).tolist()
 
 
 @pytest.mark.parametrize("variant", ["continual_graph", "graph_at_end"])

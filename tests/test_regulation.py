@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 from evodevo_sim.genome import INPUTS, MORPHOGEN, OUTPUTS, TRANSCRIPTION_FACTOR
-from evodevo_sim.regulation import activation, affinity, assign_units, exchange, express, prune, regulate
+from evodevo_sim.lanes import aligned
+from evodevo_sim.regulation import activation, affinity, assign_units, exchange, express, make_share, prune, regulate
 from genomes import hand_made, random_genomes, unit
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -54,9 +55,9 @@ def test_weights_are_signed_sums_of_affinities():
 
 
 def table_of(units, cells, rng):
-    table = np.zeros((2 * units + OUTPUTS + INPUTS, cells))
-    table[: units + OUTPUTS] = rng.random((units + OUTPUTS, cells))
-    table[2 * units + OUTPUTS :] = rng.random((INPUTS, cells))
+    table = aligned(2 * units + OUTPUTS + INPUTS, cells)
+    table[: units + OUTPUTS, :cells] = rng.random((units + OUTPUTS, cells))
+    table[2 * units + OUTPUTS :, :cells] = rng.random((INPUTS, cells))
     return table
 
 
@@ -67,9 +68,9 @@ def test_a_step_is_the_law_and_stays_in_range(genome, cells, seed):
     network = prune(weights, units, ALL_OUTPUTS, ALL_INPUTS)
     rng = np.random.default_rng(seed)
     table = table_of(units, cells, rng)
-    table[units + OUTPUTS : 2 * units + OUTPUTS] = rng.random((units, cells))
+    table[units + OUTPUTS : 2 * units + OUTPUTS, :cells] = rng.random((units, cells))
     before = table.copy()
-    regulate(network, table, np.empty((network.nodes.size, cells)), cells, 0.1)
+    regulate(network, table, aligned(network.nodes.size, cells), cells, 0.1)
     sources = np.delete(before, np.s_[units : units + OUTPUTS], axis=0)
     for node in range(units + OUTPUTS):
         expected = before[node] + 0.1 * (np.tanh(np.maximum(weights[node] @ sources, 0) / 2) - before[node])
@@ -90,9 +91,9 @@ def test_pruning_changes_no_read_output_by_one_bit(genome, seed):
         network = prune(weights, units, mask, ALL_INPUTS)
         table = table_of(units, 3, np.random.default_rng(seed))
         for _ in range(30):
-            exchange(network, table, np.array([0, 1, 3, 4]), np.array([1, 0, 2, 1]), 3, np.empty((3, 4)))
-            regulate(network, table, np.empty((network.nodes.size, 3)), 3, 0.1)
-        outputs.append(table[units + 2 : units + 4])
+            exchange(network, table, np.array([0, 1, 3, 4]), np.array([1, 0, 2, 1]), 3, make_share(network, 3))
+            regulate(network, table, aligned(network.nodes.size, 3), 3, 0.1)
+        outputs.append(table[units + 2 : units + 4, :3])
     assert np.array_equal(*outputs)
 
 
@@ -108,5 +109,5 @@ def test_exchange_conserves_every_morphogen(cells, seed):
     neighbours = [sorted(set(row)) for row in ring.tolist()]
     start = np.cumsum([0] + [len(n) for n in neighbours])
     table = table_of(1, cells, rng)
-    exchange(network, table, start, np.concatenate(neighbours), cells, np.empty((cells, 4)))
+    exchange(network, table, start, np.concatenate(neighbours), cells, make_share(network, cells))
     assert table[1 + OUTPUTS].sum() == pytest.approx(table[0].sum(), rel=1e-14)

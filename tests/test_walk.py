@@ -68,11 +68,15 @@ def test_only_progress_along_the_way_counts_and_only_as_far_as_muscles_work():
     assert score(result([0, 2, 3, 6, 8], active=0.0), TASK).fitness == 0.0
 
 
-def test_starts_are_averaged_and_the_worst_is_told():
-    both = score(result([[0, 1, 2, 3, 4], [0, -3, -6, -9, -12]]), TASK)
-    assert both.fitness == pytest.approx(8 + TASK.activity_bonus) and both.metrics.worst_start == 4 + TASK.activity_bonus
-    one = score(result([[0, 1, 2, 3, 4], [0] * 5], status=[Status.OK, Status.UNSETTLED]), TASK)
-    assert one.fitness == pytest.approx((4 + TASK.activity_bonus) / 2) and one.status == Status.OK
+def test_the_worse_half_of_the_starts_counts_and_the_worst_is_told():
+    bonus = TASK.activity_bonus
+    paths = np.outer([5, -1, 2, 20], [0, 1, 2, 3, 4])
+    four = score(result(paths), TASK)
+    assert four.fitness == pytest.approx((4 + 8) / 2 + bonus) and four.metrics.worst_start == 4 + bonus
+    assert four.metrics.distance == 28 and score(result(paths[:3]), TASK).fitness == four.fitness
+    assert [score(result(paths[k : k + 1]), TASK).fitness for k in range(4)] == [20 + bonus, 4 + bonus, 8 + bonus, 80 + bonus]
+    one = score(result(paths, status=[Status.OK, Status.OK, Status.UNSETTLED, Status.OK]), TASK)
+    assert one.fitness == pytest.approx((4 + bonus) / 2) and one.status == Status.OK
     none = score(result([[0] * 5] * 2, status=[Status.UNSETTLED] * 2), TASK)
     assert none.status == Status.UNSETTLED and none.fitness < 0 and "come to rest" in none.cause
     assert score(result([[0] * 5] * 2, status=[Status.OK, Status.UNSTABLE]), TASK).status == Status.UNSTABLE
@@ -81,6 +85,10 @@ def test_starts_are_averaged_and_the_worst_is_told():
 def test_more_starts_begin_with_the_same_ones():
     assert np.array_equal(headings(7, 5)[:2], headings(7, 2))
     assert np.linalg.norm(headings(7, 5), axis=1) == pytest.approx(np.ones(5))
+    for starts in (1, 2, 4, 16):
+        turns = np.sort(np.arctan2(*headings((7, 1), starts).T))
+        assert np.diff(turns) == pytest.approx(2 * np.pi / starts)  # evenly spread
+    assert not np.array_equal(headings(7, 1), headings(8, 1))
     alone = [trial(ring(), TASK, headings(7, 3)[k : k + 1])[1][0] for k in range(3)]
     assert trial(ring(), TASK, headings(7, 3))[1].tolist() == alone
 
@@ -101,13 +109,36 @@ def test_a_network_at_rest_earns_nothing():
     assert evaluation.fitness == pytest.approx(0, abs=1e-9) and evaluation.metrics.activation_amplitude < 1e-9
 
 
-def test_live_steps_are_those_of_a_performance_bit_for_bit():
-    performance, animat = perform(ring(), TASK, 4), Animat(ring(), TASK, 4)
+NOISY = with_settings(TASK, {"noise.concentrations": 0.02, "noise.actuation": 0.1})
+
+
+@pytest.mark.parametrize("task", [TASK, NOISY], ids=["quiet", "noisy"])
+def test_live_steps_are_those_of_a_performance_bit_for_bit(task):
+    performance, animat = perform(ring(), task, 4), Animat(ring(), task, 4)
     for step in range(60):
         assert np.array_equal(animat.position, performance.position[step])
         assert np.array_equal(animat.velocity, performance.velocity[step])
         assert np.array_equal(animat.activation, performance.activation[step])
         animat.step()
+
+
+def test_noise_is_that_of_its_seed_and_without_it_no_bit_changes():
+    evaluation, quiet = evaluate(ring(), NOISY, 1), evaluate(ring(), TASK, 1)
+    assert evaluation == evaluate(ring(), NOISY, 1) and evaluation.status == Status.OK
+    assert len({evaluate(ring(), with_settings(NOISY, {"noise.actuation": a}), 1).metrics.distance for a in (0.0, 0.05, 0.1)}) == 3
+    assert evaluation != quiet
+    assert quiet == evaluate(ring(), with_settings(NOISY, {"noise.concentrations": 0.0, "noise.actuation": 0.0}), 1)
+    # Of one seed the body comes to rest in the same place, and every start has noise of its own.
+    performance = perform(ring(), NOISY, 1)
+    assert np.array_equal(performance.position[0], perform(ring(), TASK, 1).position[0])
+    same = headings(1, 1).repeat(2, 0)
+    assert len(set(trial(ring(), NOISY, same, seed=1)[0].path[:, -1])) == 2 and len(set(trial(ring(), TASK, same)[0].path[:, -1])) == 1
+    # Noise alone moves what rests: as concentrations, which muscles show, or past them.
+    one = {name: perform(dividing(), with_settings(TASK, {name: 0.1}), 2) for name in ("noise.concentrations", "noise.actuation")}
+    assert [p.evaluation.metrics.activation_amplitude > 0.01 for p in one.values()] == [True, False]
+    assert all(np.abs(p.velocity[100:]).max() > 0.1 for p in one.values())
+    with pytest.raises(ParameterError, match="noise.sensing is 0.5: leave it at 0 where the task is walk"):
+        with_settings(TASK, {"noise.sensing": 0.5})
 
 
 @pytest.mark.parametrize("world", PRESETS)

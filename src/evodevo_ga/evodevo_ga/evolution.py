@@ -177,7 +177,7 @@ class Evolution:
             genome = delete(genome, rng, s.run_length)
         genome = flip(mutate_points(genome, rng, s.point_mutation, s.point_scale), rng, s.flip)
         if s.scent_mutation and rng.random() < s.scent_mutation:
-            genome = mutate_scent(genome, rng, s.point_scale)
+            genome = mutate_scent(genome, rng, s.point_scale, s.scent_extent)
         return genome
 
     def _statistics(self, improved: bool) -> Generation:

@@ -9,7 +9,7 @@ import numpy as np
 from evodevo_sim.genome import HEADER, INPUT_NAMES, MORPHOGEN, TRANSCRIPTION_FACTOR, Genome
 
 SCENT = INPUT_NAMES.index("scent")
-_SIGN_TOO = 0.1
+_SIGN_TOO, _ANYWHERE = 0.1, 0.2
 
 
 def mutate_points(genome: Genome, rng: np.random.Generator, probability: float, scale: float) -> Genome:
@@ -29,15 +29,17 @@ def scatter_scent(genome: Genome, rng: np.random.Generator, extent: float) -> Ge
     return Genome(genome.kind, genome.sign, x, y)
 
 
-def mutate_scent(genome: Genome, rng: np.random.Generator, scale: float) -> Genome:
-    """Move the scent's point, in a random direction by |N(0, scale)|; one time in ten its sign changes, too."""
+def mutate_scent(genome: Genome, rng: np.random.Generator, scale: float, extent: float = 0.0) -> Genome:
+    """Move the scent's point, in a random direction by |N(0, scale)|; one time in ten its sign changes, too, and one time in five
+    the point goes anywhere in [-extent, extent]^2, if there is an extent: most swimmers steer to both sides from some place."""
     direction, length = rng.uniform(0.0, 2.0 * np.pi), abs(rng.normal(0.0, scale))
     x, y, sign = genome.x.copy(), genome.y.copy(), genome.sign.copy()
     x[SCENT] += length * np.cos(direction)
     y[SCENT] += length * np.sin(direction)
     if rng.random() < _SIGN_TOO:
         sign[SCENT] = -sign[SCENT]
-    return Genome(genome.kind, sign, x, y)
+    moved = Genome(genome.kind, sign, x, y)
+    return scatter_scent(moved, rng, extent) if extent and rng.random() < _ANYWHERE else moved
 
 
 def flip(genome: Genome, rng: np.random.Generator, probability: float) -> Genome:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .chemotaxis import SAMPLES, Trials, trials
+from .chemotaxis import SAMPLES, Trials, nearing, trials
 from .genome import Genome
 from .outcome import FAILURE, STIFF, Evaluation, Metrics, Status, Steering, failure
 from .parameters import Task
@@ -17,7 +17,7 @@ _NOT_KEPT = np.empty((0, 0, 0)), np.empty((0, 0))
 
 def run(genome: Genome, task: Task, seed: int, finer: int, track, traces) -> Evaluation:
     """Evaluate a seeker.  Args: see `swim.swim`; the swim that is kept is the one with the target on the left, if there is one."""
-    return score(attempt(genome, task, seed, placements(task), LEFT, finer, track, traces), task)
+    return score(attempt(genome, task, seed, placements(task), LEFT, finer, track, traces, every=False), task)
 
 
 def placements(task: Task) -> np.ndarray:
@@ -29,12 +29,13 @@ def placements(task: Task) -> np.ndarray:
 
 
 def attempt(
-    genome: Genome, task: Task, seed: int, placed, shown: int = LEFT, finer: int = 1, track=_NOT_KEPT[0], traces=_NOT_KEPT[1]
+    genome: Genome, task: Task, seed: int, placed, shown: int = LEFT, finer: int = 1, track=_NOT_KEPT[0], traces=_NOT_KEPT[1],
+    every: bool = True,
 ) -> Trials:
-    """All swims of a genome.  Args: placed (K, 2), shown, track, traces: see `chemotaxis.trials`."""
+    """All swims of a genome.  Args: placed (K, 2), every, shown, track, traces: see `chemotaxis.trials`."""
     signals = make_signals(noise=task.noise.arguments(), seed=seed)
     placed = np.ascontiguousarray(placed, float).reshape(-1, 2)
-    return trials(*kernel_arguments(genome, task), finer, task.chemotaxis.arguments(), placed, signals, shown, track, traces)
+    return trials(*kernel_arguments(genome, task), finer, task.chemotaxis.arguments(), placed, signals, every, shown, track, traces)
 
 
 def late(path) -> np.ndarray:
@@ -51,15 +52,10 @@ def approach(path, target, heading, angle: float) -> tuple[float, float, float]:
     straight ahead, as far from the start as the path has come, m; turn from the heading to the way gone, towards the target's
     side, rad.
     """
-    start = path[0]
-    first = np.hypot(*(target - start))
-    gone = late(path) - start
-    away = np.hypot(*gone.T)
-    distance = np.hypot(*(late(path) - target).T)
-    ahead = np.sqrt(first**2 + away**2 - 2.0 * first * away * np.cos(angle))
-    x, y = gone.mean(axis=0)
+    distance, gain = nearing(path, target, angle)
+    x, y = late(path).mean(axis=0) - path[0]
     turn = np.arctan2(heading[0] * y - heading[1] * x, heading[0] * x + heading[1] * y)
-    return float(distance.mean()), float((ahead - distance).mean()), float(turn if angle >= 0.0 else -turn)
+    return distance, gain, float(turn if angle >= 0.0 else -turn)
 
 
 def score(result: Trials, task: Task) -> Evaluation:
@@ -69,7 +65,6 @@ def score(result: Trials, task: Task) -> Evaluation:
     if status in FAILURE:
         stiff = status == Status.UNSTABLE and result.failed_step < 0
         return failure(status, Metrics(**sizes), result.failed_step, STIFF if stiff else "")
-    pairs = [_steering(result, task, pair) for pair in range(c.pairs)] if result.tested else [Steering()]
     ends = path[:: SAMPLES]
     metrics = Metrics(
         **sizes,
@@ -77,27 +72,33 @@ def score(result: Trials, task: Task) -> Evaluation:
         distance_second_half=float(np.hypot(*(path[-1] - ends[task.windows // 2]))),
         slowest_window=slowest_progress(ends),
         activation_amplitude=result.amplitude,
-        steering=pairs[0],
+        steering=_steering(result, task),
     )
-    paid = task.windows * metrics.slowest_window + task.activity_bonus
-    if result.tested:
-        paid += task.activity_bonus * min(min(s.left_active, s.right_active) for s in pairs)
-        gains = [min(s.left_active * s.left_gain, s.right_active * s.right_gain) for s in pairs]
-        nearer = [min(s.left_active * (s.distance - s.left_distance), s.right_active * (s.distance - s.right_distance)) for s in pairs]
-        paid += c.turning_weight * max(0.0, min(gains)) + c.approach_weight * max(0.0, min(nearer))
-    return Evaluation(result.active * paid, status, "", metrics)
+    paid = min(task.windows * metrics.slowest_window, c.scent_reach) + task.activity_bonus
+    if result.swims:
+        active = result.actives[: result.swims]
+        found = [_approach(result, task, k) for k in range(result.swims)]
+        gains = [a * gain for a, (_, gain, _) in zip(active, found)]
+        nearer = [a * (place - distance) for a, (distance, _, _), (_, place) in zip(active, found, placements(task))]
+        paid += task.activity_bonus * min(active) + c.turning_weight * max(0.0, min(gains)) + c.approach_weight * max(0.0, min(nearer))
+    return Evaluation(float(result.active * paid), status, "", metrics)
 
 
-def _steering(result: Trials, task: Task, pair: int) -> Steering:
-    (angle, distance), _ = placements(task)[2 * pair : 2 * pair + 2]
-    here, there = 2 * pair + LEFT, 2 * pair + RIGHT
-    left = approach(result.paths[here], result.targets[here], result.heading, angle)
-    right = approach(result.paths[there], result.targets[there], result.heading, -angle)
+def _approach(result: Trials, task: Task, k: int) -> tuple[float, float, float]:
+    """`approach` to target k; a swim that was not needed counts as one that stayed."""
+    angle, distance = placements(task)[k]
+    return approach(result.paths[k], result.targets[k], result.heading, angle) if k < result.swims else (float(distance), 0.0, 0.0)
+
+
+def _steering(result: Trials, task: Task) -> Steering:
+    """What is reported, of the first pair."""
+    if not result.tested:
+        return Steering()
+    left, right = (_approach(result, task, k) for k in (LEFT, RIGHT))
+    (left_x, left_y), (right_x, right_y) = result.targets[: RIGHT + 1].tolist()
     return Steering(
-        distance=float(distance),
-        left_x=float(result.targets[here, 0]), left_y=float(result.targets[here, 1]),
-        right_x=float(result.targets[there, 0]), right_y=float(result.targets[there, 1]),
+        distance=float(placements(task)[LEFT, 1]), left_x=left_x, left_y=left_y, right_x=right_x, right_y=right_y,
         left_distance=left[0], right_distance=right[0], left_gain=left[1], right_gain=right[1],
         left_turn=left[2], right_turn=right[2],
-        left_active=float(result.actives[here]), right_active=float(result.actives[there]),
+        left_active=float(result.actives[LEFT]), right_active=float(result.actives[RIGHT]),
     )

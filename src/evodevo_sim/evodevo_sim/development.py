@@ -7,16 +7,18 @@ from collections import namedtuple
 import numpy as np
 
 from ._jit import kernel, lean
-from .gabriel import adjacency, gabriel_edges
+from .gabriel import adjacency, follow, gabriel_graph
 from .genome import INPUTS, OUTPUTS
-from .regulation import AXIS, CONTRACTION, DIVISION, EXPANSION, exchange, regulate, unrest
+from .lanes import aligned
+from .regulation import AXIS, CONTRACTION, DIVISION, EXPANSION, exchange, make_share, regulate, unrest
 
 REST = 1e-8  # concentrations this close to where they are driven, and steps that move no cell farther, are at rest
 _CLEAR = 0.05  # m, least distance of a new daughter from any cell
+_ROUNDING = 1e-11  # m, above that of a cell's move within bodies of up to 10 km
 _GOLDEN_ANGLE = 2.399963229728653
 
-# position (N, 2) m; table (rows, N) of concentrations, see `regulation`; edges (E, 2) of the graph; start, neighbour: its
-# adjacency lists; steps: regulation steps until all was at rest; past, delay: variant A's history and delays.
+# position (N, 2) m; table (rows, padded N) of concentrations, see `regulation`, 0 beyond N; edges (E, 2) of the graph; start,
+# neighbour: its adjacency lists; steps: regulation steps until all was at rest; past, delay: variant A's history and delays.
 Embryo = namedtuple("Embryo", "position table edges start neighbour steps past delay")
 
 
@@ -62,33 +64,61 @@ def _divide(position, axis, table, units, cells, development):
 
 
 @lean
-def _relax(position, cells, edges, count, development, shift):
+def _crowded(edges, count, cells, degree):
+    """Whether any cell has more than six edges.  degree (>= cells,) int64 is scratch."""
+    most = 0
+    for i in range(cells):
+        degree[i] = 0
+    for e in range(count):
+        for end in range(2):
+            i = edges[e, end]
+            degree[i] += 1
+            most = max(most, degree[i])
+    return most > 6
+
+
+@lean
+def _relax(position, cells, edges, count, crowded, development, shift, push):
     """Push overlapping neighbours apart, pull separated ones together, once.  Returns the largest move of a coordinate.
 
     A cell in a crowd of more than six takes the mean of their pushes six times, not their sum, which would overshoot.
-    shift (>= cells, 3) is scratch.
+    Args: crowded: whether any cell has that many edges; shift (3, >= cells), push (3, >= count): scratch.
     """
+    repulsion, adhesion, reach = 0.5 * development.repulsion, 0.5 * development.adhesion, development.adhesion_range
+    sx, sy, held = shift[0], shift[1], shift[2]
+    px, py, holds = push[0], push[1], push[2]
     for i in range(cells):
-        shift[i, 0], shift[i, 1], shift[i, 2] = 0.0, 0.0, 0.0
+        sx[i], sy[i], held[i] = 0.0, 0.0, 0.0
     for e in range(count):
         i, j = edges[e, 0], edges[e, 1]
-        dx, dy = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
-        d = np.sqrt(dx * dx + dy * dy)
-        if d == 0.0 or d >= development.adhesion_range:
-            continue
-        share = 0.5 * (development.repulsion if d < 1.0 else development.adhesion) * (d - 1.0) / d
-        shift[i, 0] += share * dx
-        shift[i, 1] += share * dy
-        shift[j, 0] -= share * dx
-        shift[j, 1] -= share * dy
-        shift[i, 2] += 1.0
-        shift[j, 2] += 1.0
+        px[e], py[e] = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
+    for e in range(count):  # choices between numbers, not of a way to go, so that the loop takes several edges at a time
+        d = np.sqrt(px[e] * px[e] + py[e] * py[e])
+        factor = repulsion if d < 1.0 else adhesion
+        factor = factor if d < reach else 0.0
+        share = factor * (d - 1.0) / (d if d > 0.0 else 1.0)
+        hold = 1.0 if d < reach else 0.0
+        px[e], py[e], holds[e] = share * px[e], share * py[e], hold if d > 0.0 else 0.0
+    for e in range(count):
+        i, j = edges[e, 0], edges[e, 1]
+        sx[i] += px[e]
+        sy[i] += py[e]
+        sx[j] -= px[e]
+        sy[j] -= py[e]
+    if crowded:
+        for e in range(count):
+            held[edges[e, 0]] += holds[e]
+            held[edges[e, 1]] += holds[e]
+        for i in range(cells):
+            scale = min(1.0, 6.0 / max(held[i], 1.0))
+            sx[i] *= scale
+            sy[i] *= scale
     most = 0.0
     for i in range(cells):
-        for axis in range(2):
-            move = shift[i, axis] * min(1.0, 6.0 / max(shift[i, 2], 1.0))
-            position[i, axis] += move
-            most = max(most, abs(move))
+        position[i, 0] += sx[i]
+        position[i, 1] += sy[i]
+        most = abs(sx[i]) if abs(sx[i]) > most else most
+        most = abs(sy[i]) if abs(sy[i]) > most else most
     return most
 
 
@@ -121,14 +151,16 @@ def diffuse(network, table, past, step, delay, cells, morphogen_range):
 
     Args: delay (>= cells, >= cells, 2): steps, and the factor by distance.
     """
-    length = past.shape[0]
-    for row, morphogen in enumerate(network.morphogens):
-        perceived = table[network.units + OUTPUTS + morphogen]
-        for i in range(cells):
-            total = 0.0
-            for j in range(cells):
-                total += past[(step - int(delay[i, j, 0])) % length, row, j] * delay[i, j, 1]
-            perceived[i] = total
+    length, first = past.shape[0], network.units + OUTPUTS
+    now = step % length
+    for i in range(cells):
+        for morphogen in network.morphogens:
+            table[first + morphogen, i] = 0.0
+        for j in range(cells):
+            then = now - int(delay[i, j, 0])
+            emitted, factor = past[then if then >= 0 else then + length], delay[i, j, 1]
+            for row, morphogen in enumerate(network.morphogens):
+                table[first + morphogen, i] += emitted[row, j] * factor
 
 
 @lean
@@ -158,14 +190,15 @@ def grow(network, development, continual, history, activations, graphs):
     limit = development.max_cells
     units = network.units
     first_input = 2 * units + OUTPUTS
-    table = np.zeros((first_input + INPUTS, limit))
-    drive = np.empty((network.nodes.size, limit))
+    table, drive = aligned(first_input + INPUTS, limit), aligned(network.nodes.size, limit)
     position = np.zeros((limit, 2))
     axis = np.zeros((limit, 2))
     axis[0, 0] = 1.0
-    shift, share = np.empty((limit, 3)), np.empty((limit, 4))
-    witness = np.zeros((limit, limit), np.int32)
+    share, shift, degree, crowded = make_share(network, limit), np.empty((3, limit)), np.empty(limit, np.int64), False
+    witness = np.zeros((limit, limit) if continual else (0, 0), np.int32)
     edges = np.empty((3 * limit + 1 if continual else limit * (limit - 1) // 2 + 1, 2), np.int64)
+    push = np.empty((3, edges.shape[0]))
+    spare, holds, travelled = np.empty_like(edges), np.full(limit, -1.0), 0.0
     start = np.zeros(limit + 1, np.int64)
     neighbour = np.empty(2 * edges.shape[0], np.uint32)
     longest = 1 if continual else min(int(2.0 * limit / development.morphogen_speed) + 1, 255)
@@ -196,13 +229,20 @@ def grow(network, development, continual, history, activations, graphs):
         moved = moved or grown > cells
         if moved:
             if continual:
-                count = gabriel_edges(position, grown, witness, edges)
-                adjacency(edges, count, grown, start, neighbour)
+                if grown > cells:
+                    holds[:grown] = -1.0
+                count, changed = follow(position, grown, travelled, holds, witness, edges, count, spare)
+                if changed:
+                    adjacency(edges, count, grown, start, neighbour)
+                    crowded = _crowded(edges, count, grown, degree)
             else:
                 count = _metric_edges(position, grown, development.neighbour_radius, edges)
+                crowded = _crowded(edges, count, grown, degree)
             most = 0.0
             for _ in range(development.relaxations):
-                most = max(most, _relax(position, grown, edges, count, development, shift))
+                move = _relax(position, grown, edges, count, crowded, development, shift, push)
+                most = max(most, move)
+                travelled += 1.5 * move + _ROUNDING
             maternal(table, first_input, position, grown, development.maternal_length)
             moved = most > REST
         # Delays of variant A can hold a change back for `longest` steps, so it runs to the end.
@@ -211,8 +251,14 @@ def grow(network, development, continual, history, activations, graphs):
             break
         cells = grown
 
-    planar = np.empty((3 * limit + 1, 2), np.int64)
-    count = gabriel_edges(position, cells, witness, planar)
+    final = aligned(table.shape[0], cells)
+    final[:] = table[:, : final.shape[1]]
+    if continual:
+        count, _ = follow(position, cells, travelled, holds, witness, edges, count, spare)
+        planar = edges[:count]
+    else:
+        planar = gabriel_graph(position[:cells])
+        count = planar.shape[0]
     adjacency(planar, count, cells, start, neighbour)
     if not continual:
         _measure_delays(position, cells, development, longest, delay)
@@ -221,8 +267,8 @@ def grow(network, development, continual, history, activations, graphs):
             history[step, :cells] = position[:cells]
             for i in range(cells):
                 activations[step, i] = table[units + EXPANSION, i] - table[units + CONTRACTION, i]
-            graphs[step, :count] = planar[:count]
+            graphs[step, :count] = planar
     return Embryo(
-        position[:cells].copy(), table[:, :cells].copy(), planar[:count].copy(), start[: cells + 1].copy(),
+        position[:cells].copy(), final, planar.copy(), start[: cells + 1].copy(),
         neighbour[: 2 * count].copy(), steps, past, delay,
     )

@@ -16,7 +16,7 @@ from collections import namedtuple
 import numpy as np
 
 from ._jit import lean
-from .contact import meet, meet_flat
+from .contact import meet, meet_flat, meet_tips
 from .energy import add_muscle_power, add_power, resistances
 from .physics import SOUND, UNSTABLE, _copy, accelerations, make_scratch, set_rest_lengths
 from .stability import EULER, VERLET
@@ -90,6 +90,15 @@ def _accelerate(system, position, velocity, scratch, out):
 
 
 @lean
+def _count(mass, h, ux, uy, freely_x, freely_y, vx, vy, drag, damping, ledger):
+    """A cell's share of the ledger of a step from velocity u to v, which would have been `freely` without contact."""
+    mx, my = 0.5 * (ux + vx), 0.5 * (uy + vy)
+    ledger[1] += h * mass * (drag[0] * mx + drag[1] * my)
+    ledger[2] += h * mass * (damping[0] * mx + damping[1] * my)
+    ledger[3] += mass * ((vx - freely_x) * mx + (vy - freely_y) * my)
+
+
+@lean
 def euler(system, t, h, position, velocity, work, ledger):
     """One symplectic step: velocities first, then what would pass the ground is put on it: see `contact`.
 
@@ -98,12 +107,15 @@ def euler(system, t, h, position, velocity, work, ledger):
     """
     a, x, y, u, v = work.slope_v[0], position[0], position[1], velocity[0], velocity[1]
     terrain, flat, ground = system.terrain, system.terrain.x.size == 0, system.ground
-    drag, damping = work.scratch.k1, work.scratch.k2
+    drag, damping, before, speed = work.scratch.k1, work.scratch.k2, work.scratch.k3, work.scratch.k4
+    tips = ground and (terrain.tip_x.size > 0 or terrain.ceiling_tip_x.size > 0)
     set_muscles(system, t)
     if ledger.size:
         add_muscle_power(system, t, position, 0.5 * h, ledger)
         resistances(system, position, velocity, work.scratch, drag, damping)
     _accelerate(system, position, velocity, work.scratch, a)
+    if tips:
+        _copy(position, velocity, before, speed)
     for i in range(x.size):
         vx, vy = u[i] + h * a[0, i], v[i] + h * a[1, i]
         freely_x, freely_y = vx, vy
@@ -118,12 +130,16 @@ def euler(system, t, h, position, velocity, work, ledger):
         else:
             y[i] += h * vy
             x[i] += h * vx
-        if ledger.size:
-            mass, mx, my = 1.0 / system.body.inverse_mass[i], 0.5 * (u[i] + vx), 0.5 * (v[i] + vy)
-            ledger[1] += h * mass * (drag[0, i] * mx + drag[1, i] * my)
-            ledger[2] += h * mass * (damping[0, i] * mx + damping[1, i] * my)
-            ledger[3] += mass * ((vx - freely_x) * mx + (vy - freely_y) * my)
+        if ledger.size and not tips:
+            mass = 1.0 / system.body.inverse_mass[i]
+            _count(mass, h, u[i], v[i], freely_x, freely_y, vx, vy, drag[:, i], damping[:, i], ledger)
         u[i], v[i] = vx, vy
+    if tips:
+        meet_tips(terrain, system.friction, h, system.body, before, position, velocity)
+        for i in range(x.size if ledger.size else 0):
+            mass, ux, uy = 1.0 / system.body.inverse_mass[i], speed[0, i], speed[1, i]
+            freely_x, freely_y = ux + h * a[0, i], uy + h * a[1, i]
+            _count(mass, h, ux, uy, freely_x, freely_y, u[i], v[i], drag[:, i], damping[:, i], ledger)
     if ledger.size:
         set_muscles(system, t + h)
         add_muscle_power(system, t + h, position, 0.5 * h, ledger)

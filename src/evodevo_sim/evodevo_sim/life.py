@@ -13,8 +13,9 @@ import numpy as np
 from ._jit import kernel, lean
 from .body import build_body
 from .development import diffuse, grow, remember
+from .lanes import aligned
 from .physics import MOST_SUBSTEPS, accelerations, choose_substeps, make_law, make_scratch, set_rest_lengths, settle
-from .regulation import CONTRACTION, EXPANSION, exchange, express, prune, regulate
+from .regulation import CONTRACTION, EXPANSION, exchange, express, make_share, prune, regulate
 
 OK, NO_GROWTH, NO_CHAMBER, RESTING, UNSTABLE_PHYSICS, INVERTED_CHAMBER = range(6)
 SETTLE_TOLERANCE = 1e-3  # m/s^2
@@ -86,7 +87,7 @@ def birth(genome, development, continual, material, scene, given_inputs, control
     past = embryo.past if continual else _keep_read(embryo.past, weights, units, given_inputs, network)
     life = Life(
         body, law, network, units, embryo.table, past, embryo.delay, embryo.start, embryo.neighbour, embryo.steps,
-        np.empty((network.nodes.size, cells)), np.empty((cells, 4)), np.empty(cells), np.empty(body.rest_length.size),
+        aligned(network.nodes.size, cells), make_share(network, cells), np.empty(cells), np.empty(body.rest_length.size),
         body.position.T.copy(), np.zeros((2, cells)), make_scratch(body),
         substeps, finer,
     )

@@ -73,21 +73,19 @@ class Animat:
             task = self.task
             status, _ = _LIVE[task.name](
                 self._mover, self.steps, self.steps + 1, task.control_step, task.development.arguments(),
-                task.development.variant == "continual_graph", *self._signals(), _NOT_KEPT, _NO_TRACK, _NOT_KEPT,
+                task.development.variant == "continual_graph", self._signals(), _NOT_KEPT, _NO_TRACK, _NOT_KEPT,
             )
             rests = status == Status.RESTING and not task.has_target  # a target may come and wake it
             self.status = Status.OK if status == Status.RESTING and not rests else Status(status)
         self.steps += 1
 
     def _signals(self):
-        """What `live` takes besides: scent and noise, which swimmers alone have."""
-        if self.task.name == "walk":
-            return ()
+        """What `live` takes besides: scent and noise."""
         task, target = self.task, self.target if self.task.has_target else None
         if task.has_target and target is None:
             self._life.table[scent_row(self._life.units)] = 0.0
         scent = task.chemotaxis
-        return (make_signals(target, scent.scent_peak, scent.scent_reach, task.noise.arguments(), self.seed),)
+        return make_signals(target, scent.scent_peak, scent.scent_reach, task.noise.arguments(), self.seed)
 
 
 def _begin_swim(genome, task, _seed):

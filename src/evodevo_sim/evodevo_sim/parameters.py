@@ -129,10 +129,10 @@ class Chemotaxis(Checked):
     """The scent of a target, and the tests of chemotaxis (paper section 4.3)."""
 
     scent_peak: float = parameter(10.0, 0.0, 1e3, "", "scent at the target")
-    scent_reach: float = parameter(25.0, 1e-3, 1e6, "m", "distance at which the scent has fallen to 0")
-    distance: float = parameter(12.0, 1e-3, 1e6, "m", "of the targets from the centre of mass at birth")
+    scent_reach: float = parameter(14.0, 1e-3, 1e6, "m", "distance at which the scent has fallen to 0; swimming farther than that pays no more")
+    distance: float = parameter(8.0, 1e-3, 1e6, "m", "of the targets from the centre of mass at birth")
     angle: float = parameter(math.pi / 2, 0.0, math.pi, "rad", "of the targets from the way that it swims without one, to either side")
-    pairs: int = parameter(1, 1, 100, "", "of targets, one on the left and one on the right each")
+    pairs: int = parameter(2, 1, 100, "", "of targets, one on the left and one on the right each")
     spread: float = parameter(0.3, 0.0, 0.9, "", "of pairs: the last one's angle is larger, its distance smaller by this share, the first one's the other way")
     least_distance: float = parameter(1.0, 0.0, 1e6, "m", "to swim without a target, before it is tested with targets")
     turning_weight: float = parameter(4.0, 0.0, 1e6, "", "of metres that turning has brought it nearer to both targets")
@@ -154,7 +154,7 @@ class Task(Checked):
     windows: int = parameter(4, 2, 1000, "", "equal parts of the run, an even number, of which the slowest counts")
     full_activity: float = parameter(0.1, 1e-9, 1.0, "", "amplitude of e - c from which on a cell counts as active in full")
     activity_bonus: float = parameter(0.5, 0.0, 1e6, "m", "fitness for full activity of all cells alone")
-    starts: int = parameter(2, 1, 1000, "", "walk: orientations at birth that are averaged")
+    starts: int = parameter(4, 1, 1000, "", "walk: orientations at birth, evenly spread, of which the worse half counts")
     settling_limit: int = parameter(1800, 1, 10_000_000, "", "walk: control steps within which a body must come to rest")
     settling_drag: float = parameter(1.5, 0.0, 1e3, "1/s", "walk: rate at which speeds decay while it comes to rest")
     settled_speed: float = parameter(0.01, 1e-9, 1e3, "m/s", "walk: speed below which a cell rests")
@@ -165,8 +165,8 @@ class Task(Checked):
             raise ParameterError(f"task {self.name!r} is unknown: choose one of {', '.join(TASKS)}")
         if self.windows % 2:
             raise ParameterError(f"task.windows is {self.windows}: give an even number, so that the run has two halves")
-        if self.name == "walk" and any(dataclasses.astuple(self.noise)):
-            raise ParameterError("noise is for swimmers alone: leave it at 0 where the task is walk")
+        if self.name == "walk" and self.noise.sensing:
+            raise ParameterError(f"noise.sensing is {self.noise.sensing:g}: leave it at 0 where the task is walk, which has no scent")
         if self.control_steps % self.windows:
             raise ParameterError(f"task.control_steps is {self.control_steps}: give a multiple of the {self.windows} windows")
 

@@ -25,8 +25,9 @@ _SHORTEST = 0.05  # of its rest length, that a spring may shrink to
 
 # stiffness N/m, damping N s/m, pressure N/m, drag_normal and drag_tangential kg/m^2
 Law = namedtuple("Law", "stiffness damping pressure drag_normal drag_tangential")
-# Scratch of the integrator: states and their derivatives, (2, N) each; of the forces: edge (4, E), push (chambers + 1,).
-Scratch = namedtuple("Scratch", "position velocity k1 k2 k3 k4 start_position start_velocity edge push")
+# Scratch of the integrator: states and their derivatives, (2, N) each; of the forces: edge (4, E), push (chambers + 1,); and what
+# `advance` leaves: rate (1,) 1/s, the rate of drag in its last state.
+Scratch = namedtuple("Scratch", "position velocity k1 k2 k3 k4 start_position start_velocity edge push rate")
 
 
 @kernel
@@ -40,6 +41,7 @@ def make_scratch(body):
     return Scratch(
         np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape),
         np.empty(shape), np.empty((4, body.rest_length.size)), np.zeros(body.triangle_area.size + body.polygon_area.size + 1),
+        np.zeros(1),
     )
 
 
@@ -95,9 +97,10 @@ def accelerations(body, law, rest, position, velocity, scratch, out):
     # Springs and dampers, per length of the spring.
     for e in range(rest.size):
         i, j = start[e], end[e]
-        dx[e], dy[e] = x[j] - x[i], y[j] - y[i]
-        inverse_square[e] = dx[e] * dx[e] + dy[e] * dy[e]
-        pull[e] = (u[j] - u[i]) * dx[e] + (v[j] - v[i]) * dy[e]
+        ex, ey = x[j] - x[i], y[j] - y[i]
+        dx[e], dy[e] = ex, ey
+        inverse_square[e] = ex * ex + ey * ey
+        pull[e] = (u[j] - u[i]) * ex + (v[j] - v[i]) * ey
     for e in range(rest.size):
         inverse = 1.0 / np.sqrt(inverse_square[e])
         inverse_square[e] = inverse * inverse
@@ -221,11 +224,24 @@ def drag_rate(body, law, position, velocity, rate):
 
 
 @lean
+def find_drag_rate(body, law, position, velocity, scratch):
+    """Leave the rate of drag of this state in scratch, as `advance` does."""
+    scratch.rate[0] = 0.0
+    if law.drag_normal != 0.0 or law.drag_tangential != 0.0:
+        scratch.rate[0] = drag_rate(body, law, position, velocity, scratch.k1[0])
+
+
+@lean
 def substeps_in_drag(body, law, position, velocity, control_step, substeps, scratch):
     """Substeps in the next control step, from those at rest and the drag at this velocity."""
-    if law.drag_normal == 0.0 and law.drag_tangential == 0.0:
-        return substeps
-    need = control_step * drag_rate(body, law, position, velocity, scratch.k1[0]) / ACCURATE_DRAG
+    find_drag_rate(body, law, position, velocity, scratch)
+    return substeps_at_rate(control_step, substeps, scratch)
+
+
+@lean
+def substeps_at_rate(control_step, substeps, scratch):
+    """The same for a rate of drag that scratch holds already."""
+    need = control_step * scratch.rate[0] / ACCURATE_DRAG
     if need > substeps:
         return int(np.ceil(min(need, MOST_SUBSTEPS)))
     return substeps
@@ -296,11 +312,10 @@ def _copy(position, velocity, to_position, to_velocity):
 def advance(body, law, rest, position, velocity, control_step, substeps, scratch):
     """Carry a state over one control step, in place; where that fails, again with twice the substeps, at most three times.
 
-    Returns: SOUND, or what was wrong with the finest try.
+    Returns: SOUND, or what was wrong with the finest try; if SOUND, scratch holds the rate of drag that is reached.
     """
     start_position, start_velocity = scratch.start_position, scratch.start_velocity
     _copy(position, velocity, start_position, start_velocity)
-    in_drag = law.drag_normal != 0.0 or law.drag_tangential != 0.0
     outcome = SOUND
     for doubling in range(MOST_DOUBLINGS + 1):
         steps = substeps << doubling
@@ -308,8 +323,10 @@ def advance(body, law, rest, position, velocity, control_step, substeps, scratch
         for _ in range(steps):
             _runge_kutta(body, law, rest, position, velocity, h, scratch)
         outcome = check(body, position, velocity, h)
-        if outcome == SOUND and in_drag and h * drag_rate(body, law, position, velocity, scratch.k1[0]) > _STABLE_DRAG:
-            outcome = UNSTABLE  # it sped up so much that drag may have overshot
+        if outcome == SOUND:
+            find_drag_rate(body, law, position, velocity, scratch)
+            if h * scratch.rate[0] > _STABLE_DRAG:
+                outcome = UNSTABLE  # it sped up so much that drag may have overshot
         if outcome == SOUND:
             break
         if doubling < MOST_DOUBLINGS:

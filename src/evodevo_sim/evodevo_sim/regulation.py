@@ -16,14 +16,14 @@ import numpy as np
 
 from ._jit import kernel, lean
 from .genome import HEADER, INPUTS, MORPHOGEN, OUTPUTS, REGULATORY
+from .lanes import LANES, WAYS, add_rows, aligned, fma, padded, sum_rows
 
 DIVISION, AXIS, EXPANSION, CONTRACTION = range(4)
 REACH = 5.0  # affinity is 0 beyond this distance
-_BLOCK = 4
 _TRACE = 1e-30  # a concentration below this is none; decay would end in denormal numbers, which cost ten times as much
 
 # `nodes` are the table rows to integrate; node n sums `weight` times table row `source` over [start[n], start[n + 1]), which is
-# filled up with weights of 0 to a multiple of _BLOCK: a pass over the cells takes that many at a time.
+# filled up with weights of 0 to a multiple of WAYS.
 Network = namedtuple("Network", "units nodes start source weight morphogens")
 
 
@@ -45,8 +45,8 @@ def activation(a):
     x = x if x > 0.0 else 0.0
     x = x if x < 7.5 else 7.5
     s = x * x
-    top = x * (34459425.0 + s * (4729725.0 + s * (135135.0 + s * (990.0 + s))))
-    bottom = 34459425.0 + s * (16216200.0 + s * (945945.0 + s * (13860.0 + s * 45.0)))
+    top = x * fma(fma(fma(990.0 + s, s, 135135.0), s, 4729725.0), s, 34459425.0)
+    bottom = fma(fma(fma(fma(s, 45.0, 13860.0), s, 945945.0), s, 16216200.0), s, 34459425.0)
     ratio = top / bottom
     return ratio if ratio < 1.0 else 1.0
 
@@ -126,7 +126,7 @@ def prune(weights, units, read_outputs, given_inputs):
                         grew = True
     nodes = np.flatnonzero(needed)
     start = np.zeros(nodes.size + 1, np.int64)
-    source = np.zeros(nodes.size * (weights.shape[1] + _BLOCK), np.int64)
+    source = np.zeros(nodes.size * (weights.shape[1] + WAYS), np.int64)
     weight = np.zeros(source.size)
     carried = np.zeros(units, np.bool_)
     count = 0
@@ -140,7 +140,7 @@ def prune(weights, units, read_outputs, given_inputs):
             count += 1
             if units <= s < 2 * units:
                 carried[s - units] = True
-        count += -count % _BLOCK
+        count += -count % WAYS
         start[row + 1] = count
     return Network(units, nodes, start, source[:count].copy(), weight[:count].copy(), np.flatnonzero(carried))
 
@@ -149,26 +149,21 @@ def prune(weights, units, read_outputs, given_inputs):
 def regulate(network, table, drive, cells, rate):
     """One synchronous regulation step of every cell, c <- c + h (activation(A) - c).
 
-    Args: table (rows, >= cells) with perceived morphogens and inputs filled in; drive: scratch of the same width with a row
-    per node, left holding activation(A); rate: h.
+    Args: table (rows, W), `lanes.aligned`, with perceived morphogens and inputs filled in, 0 beyond the cells; drive: scratch of
+    the same width with a row per node, left holding activation(A); rate: h.
     """
     nodes, start, source, weight = network.nodes, network.start, network.source, network.weight
+    width = padded(cells)
     for row in range(nodes.size):
-        a = drive[row]
-        for i in range(cells):
-            a[i] = 0.0
-        for k in range(start[row], start[row + 1], _BLOCK):
-            w0, w1, w2, w3 = weight[k], weight[k + 1], weight[k + 2], weight[k + 3]
-            c0, c1, c2, c3 = table[source[k]], table[source[k + 1]], table[source[k + 2]], table[source[k + 3]]
-            for i in range(cells):
-                a[i] += (w0 * c0[i] + w1 * c1[i]) + (w2 * c2[i] + w3 * c3[i])
-        for i in range(cells):
-            a[i] = activation(a[i])
+        for column in range(0, width, LANES):
+            sum_rows(table, source, weight, start[row], start[row + 1], column, drive, row * drive.shape[1] + column)
     for row in range(nodes.size):
         a = drive[row]
         c = table[nodes[row]]
-        for i in range(cells):
-            after = c[i] + rate * (a[i] - c[i])
+        for i in range(width):
+            target = activation(a[i])
+            after = fma(rate, target - c[i], c[i])
+            a[i] = target
             c[i] = after if after > _TRACE else 0.0
 
 
@@ -186,28 +181,26 @@ def unrest(network, table, drive, cells):
 def exchange(network, table, start, neighbour, cells, share):
     """Variant B: every cell shares each morphogen equally among its graph neighbours, so the total is conserved.
 
-    Args: start (cells + 1,), neighbour: adjacency lists of the graph; share (>= cells, _BLOCK): scratch.
+    Args: start (cells + 1,), neighbour: adjacency lists of the graph; share: scratch, see `make_share`.
     """
     morphogens = network.morphogens
-    first_perceived, last = network.units + OUTPUTS, morphogens.size - 1
-    for k in range(0, morphogens.size, _BLOCK):  # a walk through the graph takes that many; at the end, some twice
-        m0, m1, m2, m3 = morphogens[k], morphogens[min(k + 1, last)], morphogens[min(k + 2, last)], morphogens[min(k + 3, last)]
-        c0, c1, c2, c3 = table[m0], table[m1], table[m2], table[m3]
-        for i in range(cells):
-            part = 1.0 / (start[i + 1] - start[i])
-            share[i, 0] = part * c0[i]
-            share[i, 1] = part * c1[i]
-            share[i, 2] = part * c2[i]
-            share[i, 3] = part * c3[i]
-        p0, p1, p2, p3 = (
-            table[first_perceived + m0], table[first_perceived + m1], table[first_perceived + m2], table[first_perceived + m3]
-        )
-        for i in range(cells):
-            t0, t1, t2, t3 = 0.0, 0.0, 0.0, 0.0
-            for n in range(start[i], start[i + 1]):
-                j = neighbour[n]
-                t0 += share[j, 0]
-                t1 += share[j, 1]
-                t2 += share[j, 2]
-                t3 += share[j, 3]
-            p0[i], p1[i], p2[i], p3[i] = t0, t1, t2, t3
+    first_perceived = network.units + OUTPUTS
+    if morphogens.size == 0:
+        return
+    for i in range(cells):
+        part = 1.0 / (start[i + 1] - start[i])
+        own = share[i]
+        for m in range(morphogens.size):
+            own[m] = part * table[morphogens[m], i]
+    received, place = share[share.shape[0] - 1], (share.shape[0] - 1) * share.shape[1]
+    for i in range(cells):
+        for column in range(0, share.shape[1], LANES):
+            add_rows(share, neighbour, start[i], start[i + 1], column, share, place + column)
+        for m in range(morphogens.size):
+            table[first_perceived + morphogens[m], i] = received[m]
+
+
+@kernel
+def make_share(network, cells):
+    """Scratch of `exchange`: what each cell has of every morphogen to give to one neighbour, and in the last row what one receives."""
+    return aligned(cells + 1, network.morphogens.size)

@@ -15,7 +15,7 @@ from .development import REST
 from .life import (
     INVERTED_CHAMBER, OK, RESTING, UNSTABLE_PHYSICS, activity, birth, centre_of_mass, forget, keep, rests, think, widen,
 )
-from .physics import INVERTED, SOUND, advance, substeps_in_drag
+from .physics import INVERTED, SOUND, advance, find_drag_rate, substeps_at_rate
 from .regulation import unrest
 from .scent import disturb, sense
 
@@ -40,6 +40,7 @@ def live(life, step, until, seconds, development, continual, signals, range_of_m
     body, law, network, table, drive = life.body, life.law, life.network, life.table, life.drive
     muscle, rest, position, velocity, scratch = life.muscle, life.rest, life.position, life.velocity, life.scratch
     cells = muscle.size
+    find_drag_rate(body, law, position, velocity, scratch)
     while step < until:
         if track.size:
             keep(life, track[step], traces[step])
@@ -48,7 +49,7 @@ def live(life, step, until, seconds, development, continual, signals, range_of_m
         think(life, step, development, continual)
         if signals.noise.size:
             disturb(life, signals, step)
-        substeps = life.finer * substeps_in_drag(body, law, position, velocity, seconds, life.substeps, scratch)
+        substeps = life.finer * substeps_at_rate(seconds, life.substeps, scratch)
         outcome = advance(body, law, rest, position, velocity, seconds, substeps, scratch)
         if outcome != SOUND:
             return (INVERTED_CHAMBER if outcome == INVERTED else UNSTABLE_PHYSICS), step

@@ -19,9 +19,13 @@ _MOST_POINTS = 100_000
 _CLOSE = 1e-9  # m, and of a height: as near as rounding leaves what touches
 
 # x, y (K,): the ground, padded with its level ends, or empty: flat at 0; top: its highest point; ceiling_x, ceiling_depth,
-# bottom: likewise the ceiling, upside down (-y), and its lowest point; empty and infinity where there is none
-Terrain = namedtuple("Terrain", "x y top ceiling_x ceiling_depth bottom")
-FLAT = Terrain(np.zeros(0), np.zeros(0), 0.0, np.zeros(0), np.zeros(0), np.inf)
+# bottom: likewise the ceiling, upside down (-y), and its lowest point; empty and infinity where there is none; tip_x, tip_y (T,):
+# the vertices of the ground that an edge of a body can meet between its cells, those that point up; ceiling_tip_x,
+# ceiling_tip_depth: likewise
+Terrain = namedtuple(
+    "Terrain", "x y top ceiling_x ceiling_depth bottom tip_x tip_y ceiling_tip_x ceiling_tip_depth"
+)
+FLAT = Terrain(*(np.zeros(0),) * 2, 0.0, *(np.zeros(0),) * 2, np.inf, *(np.zeros(0),) * 4)
 
 
 def make_terrain(scene) -> Terrain:
@@ -31,11 +35,21 @@ def make_terrain(scene) -> Terrain:
     ground = _padded(scene.ground_x or (0.0, 1.0), scene.ground_y or (0.0, 0.0))
     ceiling = _padded(scene.ceiling_x, scene.ceiling_y) if scene.ceiling_x else (np.zeros(0), np.zeros(0))
     bottom = float(ceiling[1].min()) if scene.ceiling_x else np.inf
-    return Terrain(*ground, float(ground[1].max()), ceiling[0], -ceiling[1], bottom)
+    depth = -ceiling[1]
+    return Terrain(
+        *ground, float(ground[1].max()), ceiling[0], depth, bottom, *_tips(*ground), *_tips(ceiling[0], depth)
+    )
 
 
 def _padded(x, y):
     return np.array([-_FAR, *x, _FAR]), np.array([y[0], *y, y[-1]], float)
+
+
+def _tips(x, y):
+    """(x, y) of the vertices of a profile that stick out of it."""
+    slope = np.diff(y) / np.diff(x)
+    tips = np.flatnonzero(slope[1:] < slope[:-1]) + 1 if len(x) else np.zeros(0, int)
+    return x[tips], y[tips]
 
 
 def fault(ground_x, ground_y, ceiling_x, ceiling_y) -> str:
@@ -110,9 +124,42 @@ def touches(terrain, x, y):
 
 
 @lean
-def clearance(terrain, x, y):
-    """Least height of cells above the ground (how far they have to rise if it is negative), and below the ceiling."""
-    low, high = np.inf, np.inf
+def first_from(xs, x):
+    """The number of the first of ascending xs that is not below x."""
+    low, high = 0, xs.size
+    while low < high:
+        middle = (low + high) // 2
+        if xs[middle] < x:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
+@lean
+def _above_tips(tip_x, tip_y, outline, x, y, sign):
+    """Least height of outline edges above tips; y of both profile and body times sign."""
+    least = np.inf
+    for m in range(outline.shape[0] if tip_x.size else 0):
+        i, j = outline[m, 0], outline[m, 1]
+        if x[i] > x[j]:
+            i, j = j, i
+        for k in range(first_from(tip_x, x[i]), tip_x.size):
+            if tip_x[k] > x[j] or x[i] == x[j]:
+                break
+            share = (tip_x[k] - x[i]) / (x[j] - x[i])
+            least = min(least, sign * (y[i] + share * (y[j] - y[i])) - tip_y[k])
+    return least
+
+
+@lean
+def clearance(terrain, outline, x, y):
+    """Least height of a body above the ground (how far it has to rise if it is negative), and below the ceiling.
+
+    Args: outline (M, 2): its edges; x, y (N,): its cells.
+    """
+    low = _above_tips(terrain.tip_x, terrain.tip_y, outline, x, y, 1.0)
+    high = _above_tips(terrain.ceiling_tip_x, terrain.ceiling_tip_depth, outline, x, y, -1.0)
     for i in range(x.size):
         low = min(low, y[i] - (height(terrain.x, terrain.y, x[i]) if terrain.x.size else 0.0))
         if terrain.ceiling_x.size:

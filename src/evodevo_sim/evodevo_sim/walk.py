@@ -19,6 +19,7 @@ from .life import (
 )
 from .physics import INVERTED, MOST_DOUBLINGS, SOUND, _copy, check
 from .regulation import unrest
+from .scent import Signals, disturb
 from .stability import EULER, bounds, longest_step
 from .terrain import clearance
 
@@ -63,7 +64,7 @@ def hatch(genome, development, continual, material, scene, terrain, given_inputs
 
 @lean
 def lay_down(walker, heading):
-    """Turn the newborn body and put its lowest cell on the ground, its centre at x = 0.
+    """Turn the newborn body and put it on the ground, by a cell or an edge, its centre at x = 0.
 
     Args: heading (2,): where its x axis goes.  Returns: OK, or NO_ROOM where it meets the ceiling.
     """
@@ -74,10 +75,11 @@ def lay_down(walker, heading):
         position[0, i] = heading[0] * x - heading[1] * y
         position[1, i] = heading[1] * x + heading[0] * y
         velocity[0, i] = velocity[1, i] = 0.0
-    low, _ = clearance(walker.system.terrain, position[0], position[1])
+    outline = walker.life.body.outline
+    low, _ = clearance(walker.system.terrain, outline, position[0], position[1])
     for i in range(born.shape[1]):
         position[1, i] -= low
-    _, high = clearance(walker.system.terrain, position[0], position[1])
+    _, high = clearance(walker.system.terrain, outline, position[0], position[1])
     return OK if high > 0.0 else NO_ROOM
 
 
@@ -120,7 +122,7 @@ def come_to_rest(walker, task):
 
     Returns: (OK, UNSETTLED or a failure of physics; control steps taken).
     """
-    velocity, quiet = walker.life.velocity, 0
+    position, velocity, quiet = walker.life.position, walker.life.velocity, 0
     slower = max(0.0, 1.0 - task.settling_drag * task.control_step)
     for step in range(task.settling_limit):
         outcome = move(walker, task.control_step)
@@ -128,7 +130,7 @@ def come_to_rest(walker, task):
             return (INVERTED_CHAMBER if outcome == INVERTED else UNSTABLE_PHYSICS), step
         quiet = quiet + 1 if _fastest(velocity) <= task.settled_speed * task.settled_speed else 0
         if quiet >= _QUIET:
-            low, _ = clearance(walker.system.terrain, walker.life.position[0], walker.life.position[1])
+            low, _ = clearance(walker.system.terrain, walker.life.body.outline, position[0], position[1])
             if low <= _TOUCH:
                 return OK, step + 1
         for i in range(velocity.shape[1]):
@@ -138,8 +140,8 @@ def come_to_rest(walker, task):
 
 
 @lean
-def live(walker, step, until, seconds, development, continual, range_of_muscle, track, traces):
-    """Live from one control step to another, in place.  Args and result: as for `swim.live`."""
+def live(walker, step, until, seconds, development, continual, signals, range_of_muscle, track, traces):
+    """Live from one control step to another, in place.  Args and result: as for `swim.live`; there is no scent."""
     life, ledger = walker.life, walker.ledger
     body, muscle, position, velocity = life.body, life.muscle, life.position, life.velocity
     gravity, half = walker.system.gravity, 0.5 * seconds / walker.steps
@@ -154,6 +156,8 @@ def live(walker, step, until, seconds, development, continual, range_of_muscle, 
                 then[1, i] = position[1, i] - half * velocity[1, i]
             ledger[0] -= stored_energy(body, life.law, life.rest, gravity, then, velocity)[1]
         think(life, step, development, continual)
+        if signals.noise.size:
+            disturb(life, signals, step)
         if ledger.size:
             ledger[0] += stored_energy(body, life.law, life.rest, gravity, life.scratch.position, velocity)[1]
         outcome = move(walker, seconds)
@@ -162,7 +166,7 @@ def live(walker, step, until, seconds, development, continual, range_of_muscle, 
         step += 1
         if range_of_muscle.size:
             widen(range_of_muscle, muscle)
-        if continual and step % _LOOK == 0 and unrest(life.network, life.table, life.drive, muscle.size) < REST:
+        if continual and step % _LOOK == 0 and not signals.noise.size and unrest(life.network, life.table, life.drive, muscle.size) < REST:
             if _fastest(velocity) < _STILL * _STILL:
                 return RESTING, step
     return OK, step
@@ -176,7 +180,7 @@ def _total(walker):
 
 
 @kernel
-def _walk_windows(walker, task, development, continual, path, track, traces):
+def _walk_windows(walker, task, development, continual, signals, path, track, traces):
     """Locomotion.  Fills path.  Returns: (status, step reached, amplitude, active)."""
     life = walker.life
     cells, length = life.muscle.size, task.control_steps // task.windows
@@ -186,7 +190,7 @@ def _walk_windows(walker, task, development, continual, path, track, traces):
     for window in range(task.windows):
         forget(range_of_muscle)
         status, step = live(
-            walker, step, step + length, task.control_step, development, continual, range_of_muscle, track, traces
+            walker, step, step + length, task.control_step, development, continual, signals, range_of_muscle, track, traces
         )
         path[window + 1 :] = centre_of_mass(life.position, life.body.inverse_mass)[0]
         if status != OK:
@@ -198,12 +202,15 @@ def _walk_windows(walker, task, development, continual, path, track, traces):
 
 
 @kernel
-def walk(genome, task, development, continual, material, scene, terrain, given_inputs, headings, finer, track, traces, ledger):
+def walk(
+    genome, task, development, continual, material, scene, terrain, given_inputs, headings, finer, signals, track, traces, ledger
+):
     """Evaluate a genome: growth once, then a fall, rest and walk from each start, in one call.
 
     Args:
         genome to given_inputs: as for `swim.swim`; terrain: see `terrain.Terrain`.
-        headings (S, 2): unit vectors, the orientations at birth; finer: times as many steps of physics.
+        headings (S, 2): unit vectors, the orientations at birth; finer: times as many steps of physics; signals: noise, and its
+            seed in the first start.
         track, traces: as for `swim.swim`, of the first start; ledger: (S, 4), added to while it walks, or (S, 0).
 
     Returns: Walk.
@@ -231,7 +238,10 @@ def walk(genome, task, development, continual, material, scene, terrain, given_i
             continue
         gain[k] = -_total(walker) if ledger.size else 0.0
         kept, shown = (track, traces) if k == 0 else (track[:0], traces[:0])
-        status[k], step, amplitude[k], active[k] = _walk_windows(walker, task, development, continual, path[k], kept, shown)
+        noise = Signals(signals.target, signals.noise, np.array([signals.random[0] + np.uint64(k), np.uint64(0)]))
+        status[k], step, amplitude[k], active[k] = _walk_windows(
+            walker, task, development, continual, noise, path[k], kept, shown
+        )
         gain[k] += _total(walker) if ledger.size else 0.0
         if kept.size:
             for later in range(step, task.control_steps + 1):

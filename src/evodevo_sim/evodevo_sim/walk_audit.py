@@ -13,7 +13,7 @@ from .genome import Genome
 from .outcome import FAILURE, Evaluation, Status
 from .parameters import Task
 from .walk import walk
-from .walk_task import headings, kernel_arguments, progress, score, start_fitness
+from .walk_task import headings, kernel_arguments, noise, progress, score, start_fitness
 
 STARTS = 16
 FINER, QUICK_FINER = 8, 2
@@ -28,13 +28,16 @@ def other_headings(seed: int) -> np.ndarray:
     return headings((seed, _OTHER), STARTS)
 
 
-def trial(genome: Genome, task: Task, directions, finer: int = 1):
-    """(Walk, fitness (S,), ledger (S, 4), positions (T + 1, N, 2) from the first) of a walker from these directions."""
+def trial(genome: Genome, task: Task, directions, finer: int = 1, seed: int = 0):
+    """(Walk, fitness (S,), ledger (S, 4), positions (T + 1, N, 2) from the first) of a walker from these directions.
+
+    Args: seed: of noise.
+    """
     ledger = np.zeros((len(directions), 4))
     cells = task.development.max_cells
     track, traces = np.full((task.control_steps + 1, cells, 4), np.nan), np.full((task.control_steps + 1, cells), np.nan)
     arguments = kernel_arguments(genome, task)
-    result = walk(*arguments, directions, finer, track, traces, ledger)
+    result = walk(*arguments, directions, finer, noise(task, seed), track, traces, ledger)
     return result, start_fitness(result, task), ledger, track[:, : result.cells, :2]
 
 
@@ -43,14 +46,14 @@ def audit_walk(
 ) -> tuple[Evaluation, list, list]:
     """(evaluation as evolved, runs, faults).  Args: quick: less fine; body: of the genome; make_run: see `audit.Run`."""
     most_change, finer = MOST_CHANGE if most_change is None else most_change, QUICK_FINER if quick else FINER
-    result, _, *first = trial(genome, task, headings(seed, task.starts))
+    result, _, *first = trial(genome, task, headings(seed, task.starts), seed=seed)
     evaluation = score(result, task)
     runs = [_run("as evolved", evaluation.fitness, evaluation.fitness, result, *first, task, body, make_run)]
     others = other_headings(seed)
-    result, fitness, *rest = trial(genome, task, others)
+    result, fitness, *rest = trial(genome, task, others, seed=seed)
     mean, median = float(fitness.mean()), float(np.median(fitness))
     runs.append(_run(f"{STARTS} other starts", mean, evaluation.fitness, result, *rest, task, body, make_run))
-    result, fine, *rest = trial(genome, task, others, finer)
+    result, fine, *rest = trial(genome, task, others, finer, seed)
     runs.append(_run(f"those {finer} x finer", float(fine.mean()), mean, result, *rest, task, body, make_run))
     faults = list(_faults(runs, evaluation.fitness, median, most_change))
     return evaluation, runs, faults
