@@ -3,7 +3,7 @@
     python benchmarks/chemotaxis.py CHAMPION.yaml|RUN ... [--placements 50] [--seed 1] [--cost]
 
 Each champion swims towards every placement from its birth: angles from 20 to 120 degrees, on either side in turn, distances drawn
-from 0.5 to 0.9 and 1.1 to 1.5 of the one that it was tested with in evolution, so that none of them is that one.  Said is the
+from 0.5 to 1.5 of `chemotaxis.distance`, but within a tenth of it of none that it was tested with in evolution.  Said is the
 distribution of the last distance of the centre of mass over the first.  A champion passes where, in the median of the placements
 on each side, it at least halves the distance.  --cost prints CPU times of an evaluation on one core.
 """
@@ -14,31 +14,36 @@ import time
 import numpy as np
 from evodevo_sim import Status, evaluate
 from evodevo_sim.champion import champion_of
-from evodevo_sim.chemotaxis_task import attempt
+from evodevo_sim.chemotaxis_task import attempt, placements
 from evodevo_sim.command_line import pairs
 
-NEAR, FAR = (0.5, 0.9), (1.1, 1.5)
+SHARES = (0.5, 1.5)
+APART = 0.1  # of the distance, from those of evolution
 ANGLES = np.radians((20.0, 120.0))
 
 
-def held_out(count, trained_distance, seed):
+def held_out(count, task, seed):
     """(count, 2): rad, to the left positive, and m; sides in turn."""
     rng = np.random.default_rng(seed)
     side = np.where(np.arange(count) % 2 == 0, 1.0, -1.0)
     angle = side * rng.uniform(*ANGLES, count)
-    near = rng.random(count) < 0.5
-    share = np.where(near, rng.uniform(*NEAR, count), rng.uniform(*FAR, count))
-    return np.column_stack((angle, trained_distance * share))
+    trained, unit = placements(task)[:, 1], task.chemotaxis.distance
+    distances = []
+    while len(distances) < count:
+        distance = unit * rng.uniform(*SHARES)
+        if np.abs(distance - trained).min() >= APART * unit:
+            distances.append(distance)
+    return np.column_stack((angle, distances))
 
 
-def ratios(champion, placements):
+def ratios(champion, places):
     """(count,): last over first distance; also of a straight swim, and whether there is anything to test."""
-    result = attempt(champion.genome, champion.task, champion.seed, placements)
+    result = attempt(champion.genome, champion.task, champion.seed, places)
     if Status(result.status) != Status.OK or not result.tested:
         return None, None
     last = np.hypot(*(result.paths[:, -1] - result.targets).T)
     blind = np.hypot(*(result.path[-1] - result.targets).T)
-    return last / placements[:, 1], blind / placements[:, 1]
+    return last / places[:, 1], blind / places[:, 1]
 
 
 def row(name, values):
@@ -68,15 +73,15 @@ def main():
     passed = 0
     for source in given.champions:
         champion = champion_of(source, pairs(given.set), "chemotaxis")
-        placements = held_out(given.placements, champion.task.chemotaxis.distance, given.seed)
-        found, blind = ratios(champion, placements)
+        places = held_out(given.placements, champion.task, given.seed)
+        found, blind = ratios(champion, places)
         if found is None:
             print(f"{champion.name}: it does not swim far enough to be tested")
             continue
-        left = placements[:, 0] > 0
+        left = places[:, 0] > 0
         good = max(np.median(found[left]), np.median(found[~left])) <= 0.5
         passed += good
-        print(f"{champion.name}: {'passes' if good else 'does not pass'}; last over first distance, {len(placements)} placements")
+        print(f"{champion.name}: {'passes' if good else 'does not pass'}; last over first distance, {len(places)} placements")
         print("                           least   1/4  half   3/4  most")
         print(row("left", found[left]) + "\n" + row("right", found[~left]) + "\n" + row("blind, straight ahead", blind))
         if given.cost:

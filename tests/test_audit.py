@@ -8,7 +8,7 @@ import pytest
 from evodevo_sim import Task, evaluate, perform, save_genome
 from evodevo_sim.audit import audit
 from evodevo_sim.audit_command import main
-from evodevo_sim.parameters import with_settings
+from evodevo_sim.parameters import default_task, with_settings
 from evodevo_sim.recording import Recorder
 from genomes import pulsing
 
@@ -110,3 +110,35 @@ def test_bad_input_is_one_line(genome, tmp_path, capsys):
             main(arguments)
         said = capsys.readouterr().err
         assert raised.value.code == 2 and says in said and said.count("\n") == 1
+
+
+# --- seekers ------------------------------------------------------------------------------------------------------------
+
+SEEKER = with_settings(default_task("chemotaxis"), {**SHORT, "development.max_cells": 12, "chemotaxis.least_distance": 0.0})
+
+
+@pytest.fixture(scope="module")
+def seeker(genome):
+    x, y = genome.x.copy(), genome.y.copy()
+    x[3], y[3] = genome.x[7] + 3.5, genome.y[7]  # scent within reach of the contraction output
+    return dataclasses.replace(genome, x=x, y=y)
+
+
+@pytest.mark.parametrize("quick", [False, True])
+def test_every_swim_of_a_seeker_is_audited(seeker, quick):
+    result = audit(seeker, SEEKER, quick=quick)
+    assert result.stands, result.faults
+    evolved, finer, better = result.runs
+    metrics = result.evaluation.metrics
+    assert result.evaluation == evaluate(seeker, SEEKER) and evolved.fitness == pytest.approx(result.evaluation.fitness, rel=1e-9)
+    assert evolved.near[0] == pytest.approx(metrics.steering.left_distance, abs=1e-9) and len(evolved.near) == len(better.near)
+    assert 0 < abs(better.near[0] - evolved.near[0]) < 0.02 and better.near == pytest.approx(finer.near, abs=1e-2)
+    assert bool(finer.ledger) != quick and evolved.gap < 5e-3
+
+
+def test_a_seeker_that_ends_elsewhere_in_finer_steps_does_not_stand(seeker):
+    from evodevo_sim.audit import _faults
+
+    runs = list(audit(seeker, SEEKER, quick=True).runs)
+    runs[2] = dataclasses.replace(runs[2], near=(runs[2].near[0] + 0.2, *runs[2].near[1:]))
+    assert [fault[:26] for fault in _faults(runs, 0.01)] == ["order 5, adaptive: it ends"]

@@ -15,10 +15,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 TASK = dataclasses.replace(
-    default_task("chemotaxis"), development=Development(max_cells=12), control_steps=400, chemotaxis=Chemotaxis(least_distance=0.0)
+    default_task("chemotaxis"), development=Development(max_cells=12), control_steps=400, chemotaxis=Chemotaxis(least_distance=0.0, pairs=1)
 )
 SWIM = dataclasses.replace(TASK, name="swim")
 ANGLE, DISTANCE = TASK.chemotaxis.angle, TASK.chemotaxis.distance
+REACH = TASK.chemotaxis.scent_reach
 LENGTH = TASK.windows * SAMPLES
 
 
@@ -48,7 +49,7 @@ def test_every_cell_smells_the_target_at_its_own_place():
     places = animat.position.copy()
     animat.step()
     away = np.hypot(*(places - animat.target).T)
-    assert smelt(animat) == pytest.approx(10.0 * np.maximum(0.0, 1.0 - away / TASK.chemotaxis.scent_reach), abs=1e-12)
+    assert smelt(animat) == pytest.approx(10.0 * np.maximum(0.0, 1.0 - away / REACH), abs=1e-12)
     animat.target = None
     animat.step()
     assert not smelt(animat).any()
@@ -123,6 +124,17 @@ def test_more_placements_change_no_swim():
     assert np.array_equal(few.paths, more.paths[1:]) and np.array_equal(few.path, more.path)
 
 
+@pytest.mark.parametrize("sign", [1, -1])
+def test_swims_that_can_pay_nothing_are_spared_and_nothing_else_changes(sign):
+    task, genome = dataclasses.replace(TASK, chemotaxis=Chemotaxis(least_distance=0.0, pairs=3)), pulsing_smeller(sign)
+    every, few = (attempt(genome, task, 0, placements(task), every=every) for every in (True, False))
+    n = few.swims
+    assert every.swims == 6 > n >= 1 and np.array_equal(every.paths[:n], few.paths[:n]) and not few.paths[n:].any()
+    bonus = few.active * task.activity_bonus * (few.actives[:n].min() - every.actives.min())
+    assert score(few, task).fitness == pytest.approx(score(every, task).fitness + bonus, abs=1e-12)
+    assert evaluate(genome, task) == score(few, task)
+
+
 def test_who_gets_nowhere_is_not_tested_with_targets():
     task = dataclasses.replace(TASK, chemotaxis=Chemotaxis(least_distance=1e5))
     assert not attempt(pulsing_smeller(), task, 0, placements(task)).tested
@@ -183,7 +195,8 @@ def test_a_circler_wins_nothing_from_its_targets():
 def test_turning_to_both_sides_pays_by_the_worse_one_and_arriving_pays_more():
     ahead = line(20.0)
     blind, to_left, to_right = fitness(ahead, ahead, ahead), line(20.0, ANGLE / 2), line(20.0, -ANGLE / 2)
-    assert blind == pytest.approx(20.0 + 2 * TASK.activity_bonus)
+    assert blind == pytest.approx(REACH + 2 * TASK.activity_bonus)  # beyond the scent's reach, speed pays nothing
+    assert fitness(line(9.0), line(9.0), line(9.0)) == pytest.approx(9.0 + 2 * TASK.activity_bonus)
     assert fitness(ahead, to_left, ahead) == fitness(ahead, to_left, to_left) == blind  # one side alone
     both, weak = fitness(ahead, to_left, to_right), fitness(ahead, to_left, line(20.0, -ANGLE / 4))
     there = fitness(ahead, line(DISTANCE, ANGLE), line(DISTANCE, -ANGLE))
@@ -235,6 +248,6 @@ def test_pairs_spread_about_the_one_and_the_worst_of_all_targets_pays():
         return score(Trials(0, -1, line(20.0), 0.3, 1.0, 2, 12, 20, 9, True, (1.0, 0.0), targets, paths, np.ones(4), 4), task).fitness
 
     all_four, three = paid(*targets), paid(*targets[:3], np.array([20.0, 0.0]))
-    assert three == pytest.approx(20.0 + 2 * TASK.activity_bonus) and all_four > three + 50.0
+    assert three == pytest.approx(REACH + 2 * TASK.activity_bonus) and all_four > three + 50.0
     found = evaluate(pulsing_smeller(), task)
-    assert found == evaluate(pulsing_smeller(), task) and found.metrics.steering.distance == pytest.approx(15.0)
+    assert found == evaluate(pulsing_smeller(), task) and found.metrics.steering.distance == pytest.approx(1.25 * DISTANCE)

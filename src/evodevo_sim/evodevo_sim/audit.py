@@ -1,7 +1,7 @@
 """`audit(genome, task)`: whether a fitness stands when its life is repeated in finer steps and by a method of higher order.
 
 Three runs of a swimmer: as evolved; in `FINER` times the steps, genes and all; and with the same muscles by the adaptive pair,
-of order 5.  Of a walker: see `walk_audit`.
+of order 5.  Of a walker: see `walk_audit`; of a seeker, all its swims: see `chemotaxis_audit`.
 Each has its energy ledger: what muscles did must equal what drag and damping took and what is stored in the end.
 
 A quick audit, for every new champion of an evolution, takes a quarter of the time: the two better runs move by the same muscles,
@@ -11,11 +11,13 @@ less finely, and keep no ledger.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from ._jit import is_compiled
 from .body import build_body
+from .chemotaxis_audit import audit_seeker
 from .evaluation import Evaluation, Performance, perform
 from .gabriel import adjacency, gabriel_graph
 from .genome import Genome
@@ -29,12 +31,13 @@ from .swim_task import score
 from .trajectory import repeat
 from .walk_audit import audit_walk
 
-TASKS = ("swim", "walk")  # that audits can repeat
+TASKS = ("swim", "walk", "chemotaxis")  # that audits can repeat
 FINER = 8
 TOLERANCE = 1e-9  # m and m/s, of a step of the adaptive run
 QUICK_FINER, QUICK_TOLERANCE = 4, 1e-6
 MOST_CHANGE = 0.01  # of the fitness, and of the sustained distance, by which a champion may change and still stand
 LEAST_CHANGE = 5e-3  # m of sustained distance that is held against nobody: the error that default steps promise
+MOST_ASTRAY = 0.1  # m, by which the last distance of a target may change
 MOST_GAP = 0.02  # of the energy that went through, that may be missing in the ledger of the run as evolved
 MOST_FINE_GAP = 1e-3  # the same in the two better runs
 
@@ -43,7 +46,7 @@ MOST_FINE_GAP = 1e-3  # the same in the two better runs
 class Run:
     """name; fitness, m; change of it, relative to the run as evolved; sustained, m: windows x slowest window, the part of fitness
     that is motion; ledger: J by muscles, drag, damping, ground, or empty; gap: energy that the ledger does not explain, relative
-    to what drag and damping took; chamber: least S / S0; cause: why it failed."""
+    to what drag and damping took; chamber: least S / S0; cause: why it failed; near: last distance of each target, m."""
 
     name: str
     fitness: float
@@ -53,6 +56,18 @@ class Run:
     gap: float
     chamber: float
     cause: str = ""
+    near: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A motion repeated: path (points + 1, 2) m of the centre of mass; ledger, gap, chamber: see `Run`; outcome: SOUND or not."""
+
+    path: np.ndarray
+    ledger: tuple[float, ...]
+    gap: float
+    chamber: float
+    outcome: int
 
 
 @dataclass(frozen=True)
@@ -85,18 +100,22 @@ def audit(genome: Genome, task: Task = Task(), seed: int = 0, most_change: float
         return Audit(evaluation, tuple(runs), tuple(faults))
     most_change = MOST_CHANGE if most_change is None else most_change
     finer, tolerance = (QUICK_FINER, QUICK_TOLERANCE) if quick else (FINER, TOLERANCE)
-    fine = None if quick else perform(genome, task, seed, finer=finer)
-    runs = [
-        _run("as evolved", first, first, task, RK4, 1, 0.0, True),
-        _run(f"{finer} x finer", fine, first, task, RK4, finer, 0.0, not quick),
-        _run("order 5, adaptive", None, first, task, ADAPTIVE, 1, tolerance, not quick),
+    rows = [
+        ("as evolved", RK4, 1, 0.0, True, False),
+        (f"{finer} x finer", RK4, finer, 0.0, not quick, not quick),
+        ("order 5, adaptive", ADAPTIVE, 1, tolerance, not quick, False),
     ]
+    motion = partial(_repeat, first.body, task, evaluation.metrics.substeps)
+    if task.name == "chemotaxis":
+        runs = audit_seeker(genome, task, seed, rows, motion, Run, evaluation)
+    else:
+        runs = [_run(genome, task, seed, first, row, motion) for row in rows]
     return Audit(evaluation, tuple(runs), tuple(_faults(runs, most_change)))
 
 
 def prepare(task: Task = Task(), say=print) -> None:
     """Compile what audits need beyond evaluations, where no process has yet; `say` is told if it is us."""
-    if task.name != "swim" or is_compiled("trajectory.repeat"):
+    if task.name == "walk" or is_compiled("trajectory.repeat"):
         return
     say("Compiling the kernels of audits, once: about half a minute.")
     position = np.array([(0.0, 0.0), (1.0, 0.0), (0.5, 0.9)])
@@ -122,6 +141,9 @@ def _faults(runs, most_change):
             yield f"{run.name}: fitness changes by {run.change:+.2g} of itself, more than {most_change:g}"
         elif not abs(shift) <= max(most_change * before, LEAST_CHANGE):
             yield f"{run.name}: the sustained distance changes by {shift:+.2g} m from {before:.2g} m, more than {most_change:g} of it"
+        for k, (then, now) in enumerate(zip(runs[0].near, run.near)):
+            if not abs(now - then) <= MOST_ASTRAY:
+                yield f"{run.name}: it ends {now:.2f} m from target {k + 1}, {then:.2f} m as evolved: more than {MOST_ASTRAY:g} m off"
         most_gap = MOST_GAP if run is runs[0] else MOST_FINE_GAP
         if run.ledger and not run.gap <= most_gap:
             yield f"{run.name}: {run.gap:.2%} of the energy is unexplained, more than {most_gap:.1%}"
@@ -129,23 +151,27 @@ def _faults(runs, most_change):
             yield f"{run.name}: a chamber turned inside out"
 
 
-def _run(name, performance: Performance | None, first: Performance, task: Task, method, finer, tolerance, keep_ledger) -> Run:
-    """The ledger of a run, and its fitness: that of a performance, or of the repeated motion itself."""
-    system = make_system(first.body, make_law(task.material.arguments(), task.scene.arguments()))
-    position, velocity = first.position[0].T.copy(), np.zeros((2, len(first.position[0])))
-    ledger, path = np.zeros(4 if keep_ledger else 0), np.zeros((task.windows + 1, 2))
+def _repeat(body, task: Task, substeps, start, activation, method, finer, tolerance, keep_ledger, points) -> Motion:
+    """Repeat a motion from rest.  Args: start (N, 2) m; activation (T + 1, N); points: of the path, after the start."""
+    system = make_system(body, make_law(task.material.arguments(), task.scene.arguments()))
+    position, velocity = np.ascontiguousarray(start.T), np.zeros((2, len(start)))
+    ledger, path = np.zeros(4 if keep_ledger else 0), np.zeros((points + 1, 2))
     outcome, gain, chamber = repeat(
-        system, method, first.evaluation.metrics.substeps, finer, tolerance, task.control_step, first.activation, position, velocity, make_work(first.body),
-        ledger, path,
+        system, method, substeps, finer, tolerance, task.control_step, activation, position, velocity, make_work(body), ledger, path
     )
     gap = abs(gain - ledger.sum()) / max(abs(ledger[1:]).sum(), 1e-12) if keep_ledger else 0.0
-    cause = "" if outcome == SOUND else "the repeated motion is not sound"
-    evaluation = performance.evaluation if performance else _score_path(first.evaluation, first.activation, path, task)
+    return Motion(path, tuple(ledger.tolist()), float(gap), float(chamber), outcome)
+
+
+def _run(genome: Genome, task: Task, seed: int, first: Performance, row, motion) -> Run:
+    """A run of a swimmer.  Args: row: see `audit`."""
+    name, method, finer, tolerance, with_ledger, anew = row
+    found = motion(first.position[0], first.activation, method, finer, tolerance, with_ledger, task.windows)
+    evaluation = perform(genome, task, seed, finer=finer).evaluation if anew else _score_path(first.evaluation, first.activation, found.path, task)
     before = first.evaluation.fitness
-    change = (evaluation.fitness - before) / max(abs(before), 1e-12)
-    sustained = task.windows * evaluation.metrics.slowest_window
     return Run(
-        name, evaluation.fitness, change, sustained, tuple(ledger.tolist()), float(gap), float(chamber), evaluation.cause or cause
+        name, evaluation.fitness, (evaluation.fitness - before) / max(abs(before), 1e-12), task.windows * evaluation.metrics.slowest_window,
+        found.ledger, found.gap, found.chamber, evaluation.cause or ("" if found.outcome == SOUND else "the repeated motion is not sound"),
     )
 
 

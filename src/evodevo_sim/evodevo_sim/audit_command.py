@@ -23,6 +23,7 @@ examples:
 Three runs of a swimmer: as evolved; in steps 8 times as fine; by an adaptive method of order 5 with the same muscles. The fitness stands if
 neither it nor the sustained distance, which is its part without the bonus for active muscles, changes by more than --within, and
 if the energy that muscles put in is found again: in drag, damping and what is stored.
+Of a seeker: the same of all its swims, and where each ends.
 Of a walker: as evolved; from 16 other starts; from those in finer steps, and what must agree are means.
 Exit code: 0 it stands, 1 it does not, 2 bad input.
 """
@@ -57,10 +58,11 @@ def main(arguments: list[str] | None = None) -> int:
 
 def table(result: Audit) -> str:
     """The runs of an audit, a line each."""
-    rows = [("", "fitness m", "change", "sustained m", *(f"{name} J" for name in LEDGER[:3]), "unexplained", "least S/S0")]
+    last = ["targets m"] if any(run.near for run in result.runs) else []
+    rows = [("", "fitness m", "change", "sustained m", *(f"{name} J" for name in LEDGER[:3]), "unexplained", "least S/S0", *last)]
     for run in result.runs:
         work = (f"{value:.4g}" for value in run.ledger[:3])
-        rows.append((run.name, f"{run.fitness:.6g}", f"{run.change:+.2e}", f"{run.sustained:.6g}", *work, f"{run.gap:.1e}", f"{run.chamber:.3f}"))
+        rows.append((run.name, f"{run.fitness:.6g}", f"{run.change:+.2e}", f"{run.sustained:.6g}", *work, f"{run.gap:.1e}", f"{run.chamber:.3f}", *([" ".join(f"{d:.2f}" for d in run.near)] if last else [])))
     widths = [max(map(len, column)) for column in zip(*rows)]
     return "\n".join("  ".join(f"{cell:>{width}}" for cell, width in zip(row, widths)) for row in rows)
 

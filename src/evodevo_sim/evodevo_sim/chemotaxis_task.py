@@ -90,6 +90,11 @@ def _approach(result: Trials, task: Task, k: int) -> tuple[float, float, float]:
     return approach(result.paths[k], result.targets[k], result.heading, angle) if k < result.swims else (float(distance), 0.0, 0.0)
 
 
+def nearness(result: Trials, task: Task) -> tuple[float, ...]:
+    """Distance of each target that was swum to, mean over the last window, m."""
+    return tuple(_approach(result, task, k)[0] for k in range(result.swims))
+
+
 def _steering(result: Trials, task: Task) -> Steering:
     """What is reported, of the first pair."""
     if not result.tested:

@@ -77,7 +77,7 @@ def _head(figure, recording: Recording, life: Life) -> None:
     figure.text(_LEFT / _WIDTH, 1 - 0.72 / total, facts, fontsize=9.5, color="0.35")
     if not len(life.time) and not life.growth:
         return
-    scale = figure.add_axes((1 - (_RIGHT + 2.6) / _WIDTH, 1 - 0.47 / total, 2.6 / _WIDTH, 0.14 / total))
+    scale = figure.add_axes((1 - (_RIGHT + 2.6) / _WIDTH, 1 - 0.36 / total, 2.6 / _WIDTH, 0.14 / total))
     values = np.linspace(-1, 1, 261)
     scale.imshow(activation_colours(values)[None], aspect="auto", extent=(-1, 1, 0, 1))
     scale.set(yticks=[], xticks=(-1, 0, 1))
