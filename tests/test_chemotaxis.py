@@ -155,9 +155,9 @@ def test_metrics_are_those_of_the_track():
 # --- what pays ----------------------------------------------------------------------------------------------------------
 
 
-def seeker(path, left, right, actives=(1.0, 1.0)):
+def seeker(path, left, right, actives=(1.0, 1.0), angle=ANGLE):
     """Trials of made-up paths, which begin at 0 and head along x."""
-    targets = np.array([(DISTANCE * np.cos(a), DISTANCE * np.sin(a)) for a in (ANGLE, -ANGLE)])
+    targets = np.array([(DISTANCE * np.cos(a), DISTANCE * np.sin(a)) for a in (angle, -angle)])
     return Trials(
         0, -1, path, 0.3, 1.0, 2, 12, 20, 9, True, (1.0, 0.0), targets, np.array([left, right]), np.array(actives), 2
     )
@@ -174,21 +174,24 @@ def arc(length, turns):
     return radius * np.column_stack((np.sin(angle), 1.0 - np.cos(angle)))
 
 
-def fitness(*paths, actives=(1.0, 1.0)):
-    return score(seeker(*paths, actives), TASK).fitness
+def fitness(*paths, actives=(1.0, 1.0), angle=ANGLE):
+    task = dataclasses.replace(TASK, chemotaxis=dataclasses.replace(TASK.chemotaxis, angle=angle))
+    return score(seeker(*paths, actives, angle), task).fitness
 
 
-def test_a_circler_wins_nothing_from_its_targets():
+@pytest.mark.parametrize("share", [0.7, 1.0, 1.3])
+def test_a_circler_wins_nothing_from_its_targets(share):
     """Always to the left, with and without a target, wide or narrow, however near it comes to one of them."""
     for turns in (0.1, 0.25, 0.4, 1.0, 3.0):
         path = arc(20.0, turns)
         heading = (path[-1] - path[0]) / max(np.hypot(*path[-1]), 1e-9)
-        angle = np.arctan2(*heading[::-1])
-        same = path @ np.array([(np.cos(angle), -np.sin(angle)), (np.sin(angle), np.cos(angle))])  # heads along x, as `seeker` wants
-        dead = fitness(same, same, same, actives=(0.0, 0.0))
-        assert fitness(same, same, same) == pytest.approx(dead + TASK.activity_bonus)  # for muscles that work, and no more
+        turn = np.arctan2(*heading[::-1])
+        same = path @ np.array([(np.cos(turn), -np.sin(turn)), (np.sin(turn), np.cos(turn))])  # heads along x, as `seeker` wants
+        angle = share * ANGLE
+        dead = fitness(same, same, same, actives=(0.0, 0.0), angle=angle)
+        assert fitness(same, same, same, angle=angle) == pytest.approx(dead + TASK.activity_bonus)  # for muscles that work, and no more
         # One that circles only when it smells something is the best there is on one side, and still gains nothing.
-        assert fitness(line(20.0), same, same) == fitness(line(20.0), line(20.0), line(20.0))
+        assert fitness(line(20.0), same, same, angle=angle) == pytest.approx(fitness(line(20.0), line(20.0), line(20.0), angle=angle))
     assert fitness(arc(20.0, 3.0), arc(20.0, 3.0), arc(20.0, 3.0)) == pytest.approx(2 * TASK.activity_bonus)
 
 
@@ -236,7 +239,7 @@ def test_noise_is_seeded_and_changes_the_life(which):
 # --- more pairs ---------------------------------------------------------------------------------------------------------
 
 
-def test_pairs_spread_about_the_one_and_the_worst_of_all_targets_pays():
+def test_pairs_spread_about_the_one_and_each_pays_by_its_worse_side():
     one, two = placements(TASK), placements(dataclasses.replace(TASK, chemotaxis=Chemotaxis(pairs=2, spread=0.25)))
     assert one == pytest.approx(np.array([(ANGLE, DISTANCE), (-ANGLE, DISTANCE)]))
     assert two == pytest.approx(np.array([(s * ANGLE * (1 + k), DISTANCE * (1 - k)) for k in (-0.25, 0.25) for s in (1, -1)]))
@@ -244,10 +247,15 @@ def test_pairs_spread_about_the_one_and_the_worst_of_all_targets_pays():
     targets = np.array([(d * np.cos(a), d * np.sin(a)) for a, d in two])
 
     def paid(*ends):
-        paths = np.array([np.linspace(0.0, 1.0, LENGTH + 1)[:, None] * end for end in ends])
+        paths = np.array([np.linspace(0.0, 1.0, LENGTH + 1)[:, None] * np.asarray(end) for end in ends])
         return score(Trials(0, -1, line(20.0), 0.3, 1.0, 2, 12, 20, 9, True, (1.0, 0.0), targets, paths, np.ones(4), 4), task).fitness
 
     all_four, three = paid(*targets), paid(*targets[:3], np.array([20.0, 0.0]))
-    assert three == pytest.approx(REACH + 2 * TASK.activity_bonus) and all_four > three + 50.0
+    blind = REACH + 2 * TASK.activity_bonus
+    assert blind + 20.0 < three < all_four - 20.0
+    astray = np.array([20.0, 0.0])
+    assert paid(targets[0], astray, *targets[2:]) == pytest.approx(blind)  # the first pair comes first
+    for length in (2.0, 5.0, 20.0):  # straight ahead comes nearer to targets that stand ahead, and earns nothing
+        assert paid(*[(length, 0.0)] * 4) == pytest.approx(blind)
     found = evaluate(pulsing_smeller(), task)
     assert found == evaluate(pulsing_smeller(), task) and found.metrics.steering.distance == pytest.approx(1.25 * DISTANCE)

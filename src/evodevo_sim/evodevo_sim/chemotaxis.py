@@ -41,10 +41,9 @@ def nearing(path, target, angle):
 
 
 @lean
-def earns(path, target, placement, active):
-    """Whether a swim is paid at all for its target at a placement (angle, distance)."""
-    distance, gain = nearing(path, target, placement[0])
-    return active > 0.0 and (gain > 0.0 or distance < placement[1])
+def earns(path, target, angle, active):
+    """Whether a swim is paid at all for its target at `angle` from the heading."""
+    return active > 0.0 and nearing(path, target, angle)[1] > 0.0
 
 
 @kernel
@@ -101,7 +100,7 @@ def trials(
                 range_of_muscle, kept[0], kept[1],
             )
             swims += 1
-            if (ended != OK and ended != RESTING) or not (every or earns(paths[k], target, placements[k], actives[k])):
+            if (ended != OK and ended != RESTING) or not (every or earns(paths[k], target, placements[k, 0], actives[k])):
                 break
     failed = ended == UNSTABLE_PHYSICS or ended == INVERTED_CHAMBER
     return Trials(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .chemotaxis import SAMPLES, Trials, nearing, trials
+from .chemotaxis import SAMPLES, Trials, earns, nearing, trials
 from .genome import Genome
 from .outcome import FAILURE, STIFF, Evaluation, Metrics, Status, Steering, failure
 from .parameters import Task
@@ -59,7 +59,7 @@ def approach(path, target, heading, angle: float) -> tuple[float, float, float]:
 
 
 def score(result: Trials, task: Task) -> Evaluation:
-    """What pays: sustained forward motion; then, for the worst target, muscles that work in scent, turning and nearing."""
+    """What pays: sustained forward motion; then muscles that work in scent, and turning and nearing on both sides."""
     status, path, c = Status(result.status), result.path, task.chemotaxis
     sizes = {"cells": result.cells, "springs": result.springs, "chambers": result.chambers, "substeps": result.substeps}
     if status in FAILURE:
@@ -76,12 +76,23 @@ def score(result: Trials, task: Task) -> Evaluation:
     )
     paid = min(task.windows * metrics.slowest_window, c.scent_reach) + task.activity_bonus
     if result.swims:
-        active = result.actives[: result.swims]
-        found = [_approach(result, task, k) for k in range(result.swims)]
-        gains = [a * gain for a, (_, gain, _) in zip(active, found)]
-        nearer = [a * (place - distance) for a, (distance, _, _), (_, place) in zip(active, found, placements(task))]
-        paid += task.activity_bonus * min(active) + c.turning_weight * max(0.0, min(gains)) + c.approach_weight * max(0.0, min(nearer))
+        paid += task.activity_bonus * result.actives[: result.swims].min() + _steered(result, task)
     return Evaluation(float(result.active * paid), status, "", metrics)
+
+
+def _steered(result: Trials, task: Task) -> float:
+    """What turning and nearing pay, m: of each pair what its worse side does, mean over all pairs; none after one that earns nothing."""
+    c, paid = task.chemotaxis, 0.0
+    gains, nearer = [], []
+    for k, (angle, distance) in enumerate(placements(task)[: result.swims]):
+        if not earns(result.paths[k], result.targets[k], angle, result.actives[k]):
+            break
+        last, gain, _ = _approach(result, task, k)
+        gains.append(result.actives[k] * gain)
+        nearer.append(result.actives[k] * min(gain, distance - last))
+    for left in range(0, len(gains) - 1, 2):
+        paid += c.turning_weight * min(gains[left : left + 2]) + c.approach_weight * max(0.0, min(nearer[left : left + 2]))
+    return paid / c.pairs
 
 
 def _approach(result: Trials, task: Task, k: int) -> tuple[float, float, float]:
