@@ -15,7 +15,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 TASK = dataclasses.replace(
-    default_task("chemotaxis"), development=Development(max_cells=12), control_steps=400, chemotaxis=Chemotaxis(least_distance=0.0, pairs=1)
+    default_task("chemotaxis"), development=Development(max_cells=12), control_steps=400,
+    chemotaxis=Chemotaxis(least_distance=0.0, pairs=1),
 )
 SWIM = dataclasses.replace(TASK, name="swim")
 ANGLE, DISTANCE = TASK.chemotaxis.angle, TASK.chemotaxis.distance
@@ -191,7 +192,8 @@ def test_a_circler_wins_nothing_from_its_targets(share):
         dead = fitness(same, same, same, actives=(0.0, 0.0), angle=angle)
         assert fitness(same, same, same, angle=angle) == pytest.approx(dead + TASK.activity_bonus)  # for muscles that work, and no more
         # One that circles only when it smells something is the best there is on one side, and still gains nothing.
-        assert fitness(line(20.0), same, same, angle=angle) == pytest.approx(fitness(line(20.0), line(20.0), line(20.0), angle=angle))
+        blind = fitness(line(20.0), line(20.0), line(20.0), angle=angle)
+        assert fitness(line(20.0), same, same, angle=angle) == pytest.approx(blind)
     assert fitness(arc(20.0, 3.0), arc(20.0, 3.0), arc(20.0, 3.0)) == pytest.approx(2 * TASK.activity_bonus)
 
 

@@ -143,7 +143,7 @@ def _faults(runs, most_change):
             yield f"{run.name}: the sustained distance changes by {shift:+.2g} m from {before:.2g} m, more than {most_change:g} of it"
         for k, (then, now) in enumerate(zip(runs[0].near, run.near)):
             if not abs(now - then) <= MOST_ASTRAY:
-                yield f"{run.name}: it ends {now:.2f} m from target {k + 1}, {then:.2f} m as evolved: more than {MOST_ASTRAY:g} m off"
+                yield f"{run.name}: it ends {now:.2f} m from target {k + 1}, {then:.2f} m as evolved: over {MOST_ASTRAY:g} m off"
         most_gap = MOST_GAP if run is runs[0] else MOST_FINE_GAP
         if run.ledger and not run.gap <= most_gap:
             yield f"{run.name}: {run.gap:.2%} of the energy is unexplained, more than {most_gap:.1%}"
@@ -167,12 +167,15 @@ def _run(genome: Genome, task: Task, seed: int, first: Performance, row, motion)
     """A run of a swimmer.  Args: row: see `audit`."""
     name, method, finer, tolerance, with_ledger, anew = row
     found = motion(first.position[0], first.activation, method, finer, tolerance, with_ledger, task.windows)
-    evaluation = perform(genome, task, seed, finer=finer).evaluation if anew else _score_path(first.evaluation, first.activation, found.path, task)
+    if anew:
+        evaluation = perform(genome, task, seed, finer=finer).evaluation
+    else:
+        evaluation = _score_path(first.evaluation, first.activation, found.path, task)
     before = first.evaluation.fitness
-    return Run(
-        name, evaluation.fitness, (evaluation.fitness - before) / max(abs(before), 1e-12), task.windows * evaluation.metrics.slowest_window,
-        found.ledger, found.gap, found.chamber, evaluation.cause or ("" if found.outcome == SOUND else "the repeated motion is not sound"),
-    )
+    change = (evaluation.fitness - before) / max(abs(before), 1e-12)
+    cause = evaluation.cause or ("" if found.outcome == SOUND else "the repeated motion is not sound")
+    sustained = task.windows * evaluation.metrics.slowest_window
+    return Run(name, evaluation.fitness, change, sustained, found.ledger, found.gap, found.chamber, cause)
 
 
 def _score_path(evaluation: Evaluation, activation, path, task: Task) -> Evaluation:

@@ -62,7 +62,8 @@ def table(result: Audit) -> str:
     rows = [("", "fitness m", "change", "sustained m", *(f"{name} J" for name in LEDGER[:3]), "unexplained", "least S/S0", *last)]
     for run in result.runs:
         work = (f"{value:.4g}" for value in run.ledger[:3])
-        rows.append((run.name, f"{run.fitness:.6g}", f"{run.change:+.2e}", f"{run.sustained:.6g}", *work, f"{run.gap:.1e}", f"{run.chamber:.3f}", *([" ".join(f"{d:.2f}" for d in run.near)] if last else [])))
+        row = (run.name, f"{run.fitness:.6g}", f"{run.change:+.2e}", f"{run.sustained:.6g}", *work, f"{run.gap:.1e}", f"{run.chamber:.3f}")
+        rows.append((*row, " ".join(f"{distance:.2f}" for distance in run.near)) if last else row)
     widths = [max(map(len, column)) for column in zip(*rows)]
     return "\n".join("  ".join(f"{cell:>{width}}" for cell, width in zip(row, widths)) for row in rows)
 

@@ -37,8 +37,8 @@ def _kept(genome, task, seed, shown):
 
 def _run(genome, task, seed, result, kept, row, repeat_motion, make_run, before: Evaluation):
     name, method, finer, tolerance, with_ledger, anew = row
-    points = task.windows * SAMPLES
-    motions = [repeat_motion(track[0, :, :2], activation, method, finer, tolerance, with_ledger, points) for track, activation in kept]
+    how = method, finer, tolerance, with_ledger, task.windows * SAMPLES
+    motions = [repeat_motion(track[0, :, :2], activation, *how) for track, activation in kept]
     if anew:
         found = attempt(genome, task, seed, placements(task), finer=finer, every=False)
     else:

@@ -81,7 +81,7 @@ def score(result: Trials, task: Task) -> Evaluation:
 
 
 def _steered(result: Trials, task: Task) -> float:
-    """What turning and nearing pay, m: of each pair what its worse side does, mean over all pairs; none after one that earns nothing."""
+    """What turning and nearing pay, m: by the worse side of each pair, mean over pairs; no more after one that earns nothing."""
     c, paid = task.chemotaxis, 0.0
     gains, nearer = [], []
     for k, (angle, distance) in enumerate(placements(task)[: result.swims]):

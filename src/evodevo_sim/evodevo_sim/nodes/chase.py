@@ -60,7 +60,7 @@ def _parse(arguments):
     parser.add_argument("source", metavar="GENOME|BAG", help="a genome file, or the recording of a run")
     parser.add_argument("--targets", default="random", metavar="random|FILE|BAG", help="where targets come from (default %(default)s)")
     parser.add_argument("--count", type=int, metavar="N", help="targets (default: 10 random ones, or all)")
-    parser.add_argument("--distance", type=float, nargs=2, default=(8.0, 16.0), metavar="M", help="of random targets, from and to (default 8 16)")
+    parser.add_argument("--distance", type=float, nargs=2, default=(4.0, 12.0), metavar="M", help="of random targets, from and to (default 4 12)")
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="of random targets (default %(default)s)")
     parser.add_argument("--each", type=float, default=60.0, metavar="S", help="simulated seconds for each target (default %(default)s)")
     parser.add_argument("--capture", type=float, default=3.0, metavar="M", help="distance that counts as captured (default %(default)s)")
