@@ -110,7 +110,7 @@ def main():
             continue
         gap = (gain - ledger.sum()) / came  # energy from nothing is positive
         worst_gap, deepest, worst_ground = max(worst_gap, gap), min(deepest, low, high), max(worst_ground, ledger[3] / came)
-        if not (np.isfinite(gain) and low > -1e-9 and high > -1e-9 and ledger[3] <= 1e-3 * came and gap < 0.05):
+        if not (np.isfinite(gain) and low > -1e-7 and high > -1e-7 and ledger[3] <= 1e-3 * came and gap < 0.05):
             broken.append((k, low, high, ledger[3], gap))
     print(f"{options.count} bodies: {sum(stopped.values())} stopped with a cause (unstable {stopped.get(1, 0)}, inverted {stopped.get(2, 0)}); {len(broken)} broke a law")
     print(f"deepest {deepest:.2e} m, most work by the ground {worst_ground:.2e} of what came in, most unexplained gain {worst_gap:.2%} of what came in")

@@ -284,3 +284,29 @@ def test_a_body_that_folds_ends_with_a_named_cause_and_what_came_before(command,
     result = command(document, "free", 2.0, code=1)
     assert "turned inside out" in capsys.readouterr().err
     assert 1 <= len(result["time"]) < 121 and np.isfinite(result["position"]).all()
+
+
+def test_the_recording_of_a_walk_holds_its_world_and_replay_draws_it(tmp_path, capsys):
+    from evodevo_sim.messages import scene_from_message
+    from evodevo_sim.replay.life import life_of
+
+    body = tmp_path / "body.yaml"
+    body.write_text(yaml.safe_dump({"position": [[0, 1], [1, 1], [0.5, 1.9]], "springs": [[0, 1], [1, 2], [0, 2]], "chambers": [[0, 1, 2]]}))
+    (tmp_path / "hill.yaml").write_text("ground: [[-5, 0], [0.5, 0.7], [5, 0]]\nceiling: [[-5, 9], [5, 9]]\nfriction: 0.4\n")
+    walk = [str(body), "--scene", "walk", "--duration", "1"]
+    assert main([*walk, "--world", str(tmp_path / "hill.yaml"), "--out", str(tmp_path / "hill")]) == 0
+    recording = read_recording(tmp_path / "hill")
+    scene = scene_from_message(recording.scene)
+    assert scene.ground_x == (-5.0, 0.5, 5.0) and scene.ground_y == (0.0, 0.7, 0.0) and (scene.gravity, scene.friction) == (9.81, 0.4)
+    life = life_of(recording)
+    ground, ceiling = life.surfaces(-5.0, 5.0)
+    assert ground[1].tolist() == [0.5, 0.7] and ceiling[0, 1] == 9
+    assert main([*walk, "--out", str(tmp_path / "flat")]) == 0
+    [ground] = life_of(read_recording(tmp_path / "flat")).surfaces(-5.0, 5.0)
+    assert np.abs(ground[:, 1]).max() == 0
+    assert main([str(body), "--duration", "1", "--out", str(tmp_path / "swim")]) == 0
+    assert life_of(read_recording(tmp_path / "swim")).surfaces(-5.0, 5.0) == []
+    (tmp_path / "spike.yaml").write_text("ground: [[0.3, 0], [0.4, 1.2], [0.5, 0]]\n")
+    with pytest.raises(SystemExit) as raised:
+        main([*walk, "--world", str(tmp_path / "spike.yaml"), "--out", str(tmp_path / "inside")])
+    assert raised.value.code == 2 and "an edge of the outline passes through a tip of the world" in capsys.readouterr().err

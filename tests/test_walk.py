@@ -12,7 +12,7 @@ from evodevo_sim.parameters import default_task, with_settings
 from evodevo_sim.terrain import make_terrain, touching
 from evodevo_sim.walk import Walk
 from evodevo_sim.walk_audit import trial
-from evodevo_sim.walk_task import headings, score
+from evodevo_sim.walk_task import headings, score, start_fitness
 from evodevo_sim.worlds import PRESETS, with_world
 from genomes import beating, dividing, hand_made, ring
 from rclpy.serialization import deserialize_message, serialize_message
@@ -80,6 +80,24 @@ def test_the_worse_half_of_the_starts_counts_and_the_worst_is_told():
     none = score(result([[0] * 5] * 2, status=[Status.UNSETTLED] * 2), TASK)
     assert none.status == Status.UNSETTLED and none.fitness < 0 and "come to rest" in none.cause
     assert score(result([[0] * 5] * 2, status=[Status.OK, Status.UNSTABLE]), TASK).status == Status.UNSTABLE
+
+
+@pytest.mark.parametrize("share, stands", [(0.6, True), (0.4, False)])
+def test_an_audit_says_how_far_it_walks_from_other_starts(monkeypatch, share, stands):
+    """Nine of sixteen other starts go `share` as far as its own, the others farther: the median is what counts."""
+    from evodevo_sim import walk_audit
+    from evodevo_sim.audit import audit
+
+    def trial(genome, task, directions, finer=1, seed=0):
+        own = len(directions) == task.starts
+        paths = np.outer([1.0] * 4 if own else [share] * 9 + [2.0] * 7, [0, 5, 10, 15, 20])
+        walked = result(paths)
+        return walked, start_fitness(walked, task), np.zeros((len(paths), 4)), perform(ring(), task, 1).position
+
+    monkeypatch.setattr(walk_audit, "trial", trial)
+    found = audit(ring(), TASK, 3)
+    assert found.says == f"It walks {20 * share:.4g} m in the median of 16 other starts, {share:.2f} of the 20 m from its own."
+    assert found.stands == stands and any("start's luck" in fault for fault in found.faults) != stands
 
 
 def test_more_starts_begin_with_the_same_ones():

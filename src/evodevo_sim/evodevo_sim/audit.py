@@ -72,11 +72,12 @@ class Motion:
 
 @dataclass(frozen=True)
 class Audit:
-    """evaluation: as evolved; runs; faults: why the fitness does not stand, none where it does."""
+    """evaluation: as evolved; runs; faults: why the fitness does not stand, none where it does; says: what else was found."""
 
     evaluation: Evaluation
     runs: tuple[Run, ...]
     faults: tuple[str, ...]
+    says: str = ""
 
     @property
     def stands(self) -> bool:
@@ -96,8 +97,8 @@ def audit(genome: Genome, task: Task = Task(), seed: int = 0, most_change: float
     if evaluation.cause:
         return Audit(evaluation, (), (f"it fails as evolved: {evaluation.cause}",))
     if task.name == "walk":
-        evaluation, runs, faults = audit_walk(genome, task, seed, most_change, quick, first.body, Run)
-        return Audit(evaluation, tuple(runs), tuple(faults))
+        evaluation, runs, faults, says = audit_walk(genome, task, seed, most_change, quick, first.body, Run)
+        return Audit(evaluation, tuple(runs), tuple(faults), says)
     most_change = MOST_CHANGE if most_change is None else most_change
     finer, tolerance = (QUICK_FINER, QUICK_TOLERANCE) if quick else (FINER, TOLERANCE)
     rows = [

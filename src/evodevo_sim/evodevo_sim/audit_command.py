@@ -24,7 +24,8 @@ Three runs of a swimmer: as evolved; in steps 8 times as fine; by an adaptive me
 neither it nor the sustained distance, which is its part without the bonus for active muscles, changes by more than --within, and
 if the energy that muscles put in is found again: in drag, damping and what is stored.
 Of a seeker: the same of all its swims, and where each ends.
-Of a walker: as evolved; from 16 other starts; from those in finer steps, and what must agree are means.
+Of a walker: as evolved; from 16 other starts; from those in finer steps, and what must agree are means. In the median of
+the 16 it must walk half as far as from its own starts.
 Exit code: 0 it stands, 1 it does not, 2 bad input.
 """
 
@@ -51,7 +52,7 @@ def main(arguments: list[str] | None = None) -> int:
     if recorded is not None and recorded != result.evaluation.fitness:
         now = result.evaluation.fitness
         faults.insert(0, f"recorded was {recorded:.6g}, here it is {now:.6g}: another version or machine made it")
-    print(table(result))
+    print("\n".join(filter(None, (table(result), result.says))))
     print("The fitness stands." if not faults else "The fitness does not stand:\n" + "\n".join(f"  {fault}" for fault in faults))
     return 1 if faults else 0
 

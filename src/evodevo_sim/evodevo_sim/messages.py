@@ -31,6 +31,11 @@ def task_from_message(message: msg.Task) -> Task:
     return _object(Task, message)
 
 
+def scene_message(scene: Scene) -> msg.Scene:
+    """The message of a scene."""
+    return _message(scene)
+
+
 def scene_from_message(message: msg.Scene) -> Scene:
     """The scene of a message.  Raises ParameterError."""
     return _object(Scene, message)

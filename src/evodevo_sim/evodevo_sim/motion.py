@@ -11,7 +11,7 @@ free   no ground, and of the other terms those alone that the file's scene names
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from .integrators import System, make_system, make_work
 from .parameters import ParameterError, Scene, Task
 from .physics import INVERTED, SOUND, Law
 from .stability import ADAPTIVE, EULER, INTEGRATORS, bounds, choose_steps, longest_step
-from .terrain import FLAT, make_terrain, profile
+from .terrain import FLAT, clearance, make_terrain, profile
 from .trajectory import follow
 from .worlds import with_world
 
@@ -43,7 +43,7 @@ class Motion:
     Attributes:
         time (T,) s; position (T, N, 2) m, velocity (T, N, 2) m/s, activation (T, N) of e - c: at every step where one was
             given, or else every 1/60 s, and at the end; as far as it went.
-        cause: why it ended early, or nothing.
+        cause: why it ended early, or nothing; world: ground and all of the walk scene, or None.
         integrator: its name; system: see `integrators.System`.
     """
 
@@ -54,6 +54,7 @@ class Motion:
     cause: str
     integrator: str
     system: System
+    world: Scene | None = None
 
 
 def simulate_body(own: OwnBody, scene: str = "swim", duration: float = 10.0, *, dt: float | None = None,
@@ -100,7 +101,7 @@ def simulate_body(own: OwnBody, scene: str = "swim", duration: float = 10.0, *, 
         cause = f"stopped by you at {time[done]:.6g} s"
     time = time[: done + 1]
     activation = own.amplitude * np.sin(2 * np.pi * own.frequency * time[:, None] + own.phase)
-    return Motion(time, track[0][: done + 1], track[1][: done + 1], activation, cause, INTEGRATORS[method], system)
+    return Motion(time, track[0][: done + 1], track[1][: done + 1], activation, cause, INTEGRATORS[method], system, make_world(own, world) if scene == "walk" else None)
 
 
 def make_scene(own: OwnBody, scene: str, world: str | None = None) -> System:
@@ -117,12 +118,19 @@ def make_scene(own: OwnBody, scene: str, world: str | None = None) -> System:
     if scene == "free":
         gravity = given.get("gravity", 0.0)
     if scene == "walk":
-        there = with_world(Task("walk", scene=Scene(0.0, 0.0, GRAVITY, FRICTION)), world or "flat").scene
-        gravity, friction = given.get("gravity", there.gravity), given.get("friction", there.friction)
-        terrain = make_terrain(there)
+        there = make_world(own, world)
+        gravity, friction, terrain = there.gravity, there.friction, make_terrain(there)
         _refuse_inside(own.body.position, there)
+        if min(clearance(terrain, own.body.outline, *own.body.position.T)) < -1e-9:
+            raise BodyError("position: an edge of the outline passes through a tip of the world: start the body outside of it")
     drive = (own.amplitude, own.frequency, own.phase) if own.amplitude.any() else None
     return make_system(own.body, Law(*own.stuff, *drag), gravity, friction, scene == "walk", drive, terrain)
+
+
+def make_world(own: OwnBody, world: str | None) -> Scene:
+    """The scene of a world's name or file, with what the body's own file says of it."""
+    there = with_world(Task("walk", scene=Scene(0.0, 0.0, GRAVITY, FRICTION)), world or "flat").scene
+    return replace(there, **{name: own.scene[name] for name in ("gravity", "friction") if name in own.scene})
 
 
 def _refuse_inside(position, scene: Scene):

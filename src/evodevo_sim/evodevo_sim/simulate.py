@@ -11,7 +11,7 @@ import numpy as np
 
 from .body_file import BodyError, load_body
 from .command_line import Parser, say_if_compiling
-from .messages import body_message, cell_states_message
+from .messages import body_message, cell_states_message, scene_message
 from .motion import FRAME, SCENES, Motion, simulate_body
 from .nodes.common import without_ros
 from .parameters import ParameterError
@@ -87,6 +87,8 @@ def _refuse_existing(given):
 def record_motion(recorder, own, motion: Motion, stamp: int) -> None:
     """Write a motion to a `Recorder` from `stamp` ns on, in about 60 frames a second."""
     recorder.write("body", body_message(own.body), stamp, latched=True)
+    if motion.world is not None:
+        recorder.write("scene", scene_message(motion.world), stamp, latched=True)
     every = max(1, round(FRAME / (motion.time[1] - motion.time[0]))) if len(motion.time) > 1 else 1
     frames = range(0, len(motion.time), every)
     for k in (*frames, *({len(motion.time) - 1} - {frames[-1]})):

@@ -29,7 +29,7 @@ class Recording:
 
     Attributes: settings: Evolution; statistics: GenerationStatistics; champions: Champion; audits: Audit, of those champions
     that the run got to; growth and states: CellStates; growth_bodies: Body, where the embryo's graph changed; body: Body;
-    gait: Gait of the states; targets: PoseStamped; targets_from: for each of them, how many states came before it; truncated:
+    gait: Gait of the states; scene: Scene, of a walk by simulate; targets: PoseStamped; targets_from: for each of them, how many states came before it; truncated:
     whether the end is missing, or damaged.
     """
 
@@ -45,6 +45,7 @@ class Recording:
     targets: list[PoseStamped] = field(default_factory=list)
     targets_from: list[int] = field(default_factory=list)
     gait: msg.Gait | None = None
+    scene: msg.Scene | None = None
     truncated: bool = False
 
 
@@ -59,6 +60,7 @@ _LISTS = {
 }
 _SINGLE = {
     "/evolution/settings": ("settings", msg.Evolution), "/body": ("body", msg.Body), "/gait": ("gait", msg.Gait),
+    "/scene": ("scene", msg.Scene),
 }
 
 

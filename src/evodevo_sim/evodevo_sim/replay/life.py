@@ -115,18 +115,19 @@ def life_of(recording: Recording) -> Life:
             reach=settings.task.chemotaxis.scent_reach if settings is not None else 0.0,
             velocity=np.array([(s.velocity_x, s.velocity_y) for s in states]).reshape(len(states), 2, cells).swapaxes(1, 2),
             **({} if body is None else _parts(body)),
-            scene=_scene(recording.settings),
+            scene=_scene(recording),
         )
     except (ValueError, IndexError):
         raise RecordingError(f"{recording.path}: cells, springs and chambers do not fit each other: record it again") from None
 
 
-def _scene(settings) -> Scene | None:
+def _scene(recording: Recording) -> Scene | None:
     """The world, where there is ground in it."""
-    if settings is None or settings.task.name != "walk":
-        return None
+    settings, scene = recording.settings, recording.scene
+    if settings is not None and settings.task.name == "walk":
+        scene = settings.task.scene
     try:
-        return scene_from_message(settings.task.scene)
+        return None if scene is None else scene_from_message(scene)
     except ParameterError:
         return None
 
