@@ -18,9 +18,11 @@ from ._jit import kernel, lean
 
 LANES = 16  # columns in a pass: arrays are as wide as the next multiple
 WAYS = 4  # sums side by side, since each must wait for its last addition
+# Doubles in a vector.  Wider ones make processors clock down, which costs the rest of a life more than they save here.
+_WIDTH = 4
 _DOUBLE = ir.DoubleType()
-_VECTOR = ir.VectorType(_DOUBLE, LANES)
-_EIGHT = 8  # bytes of a double: no more alignment is promised
+_VECTOR = ir.VectorType(_DOUBLE, _WIDTH)
+_ALIGNED = 8  # bytes: no more is promised
 
 
 @lean
@@ -36,40 +38,39 @@ def fma(typing, a, b, c):
 
 
 def _splat(builder, number):
-    undefined = ir.Constant(_VECTOR, ir.Undefined)
-    one = builder.insert_element(undefined, number, ir.Constant(ir.IntType(32), 0))
-    return builder.shuffle_vector(one, undefined, ir.Constant(ir.VectorType(ir.IntType(32), LANES), [0] * LANES))
+    nothing = ir.Constant(_VECTOR, ir.Undefined)
+    one = builder.insert_element(nothing, number, ir.Constant(ir.IntType(32), 0))
+    return builder.shuffle_vector(one, nothing, ir.Constant(ir.VectorType(ir.IntType(32), _WIDTH), [0] * _WIDTH))
 
 
-def _lanes(builder, data, element):
-    return builder.bitcast(builder.gep(data, [element]), _VECTOR.as_pointer())
+def _vectors(builder, data, first):
+    """Pointers to the vectors of a pass whose first column is element `first` of data."""
+    elements = (builder.add(first, ir.Constant(first.type, k)) for k in range(0, LANES, _WIDTH))
+    return [builder.bitcast(builder.gep(data, [element]), _VECTOR.as_pointer()) for element in elements]
 
 
 def _sum(context, builder, table, row, weight, first, last, column, out, place):
     """Emit the loop of `sum_rows`, or, without weight, of `add_rows`."""
     ways = WAYS if weight is not None else 1
     width = cgutils.unpack_tuple(builder, table.shape)[1]
-    fused = cgutils.get_or_insert_function(builder.module, ir.FunctionType(_VECTOR, [_VECTOR] * 3), f"llvm.fma.v{LANES}f64")
-    nothing = ir.Constant(_VECTOR, [0.0] * LANES)
-    sums = [cgutils.alloca_once(builder, _VECTOR) for _ in range(ways)]
-    for total in sums:
-        builder.store(nothing, total)
+    fused = cgutils.get_or_insert_function(builder.module, ir.FunctionType(_VECTOR, [_VECTOR] * 3), f"llvm.fma.v{_WIDTH}f64")
+    sums = [[cgutils.alloca_once(builder, _VECTOR) for _ in range(0, LANES, _WIDTH)] for _ in range(ways)]
+    for total in sum(sums, []):
+        builder.store(ir.Constant(_VECTOR, [0.0] * _WIDTH), total)
     with cgutils.for_range_slice(builder, first, last, ir.Constant(first.type, ways), first.type, True) as (k, _):
-        for way, total in enumerate(sums):
+        for way, totals in enumerate(sums):
             this = builder.add(k, ir.Constant(k.type, way))
             index = builder.load(builder.gep(row.data, [this]))
             index = index if index.type == width.type else builder.zext(index, width.type)
-            cells = builder.load(_lanes(builder, table.data, builder.add(builder.mul(index, width), column)), align=_EIGHT)
-            if weight is None:
-                after = builder.fadd(builder.load(total), cells)
-            else:
-                factor = _splat(builder, builder.load(builder.gep(weight.data, [this])))
-                after = builder.call(fused, [factor, cells, builder.load(total)])
-            builder.store(after, total)
-    parts = [builder.load(total) for total in sums]
-    while len(parts) > 1:
-        parts = [builder.fadd(*parts[k : k + 2]) for k in range(0, len(parts), 2)]
-    builder.store(parts[0], _lanes(builder, out.data, place), align=_EIGHT)
+            factor = None if weight is None else _splat(builder, builder.load(builder.gep(weight.data, [this])))
+            for cells, total in zip(_vectors(builder, table.data, builder.add(builder.mul(index, width), column)), totals):
+                cells, before = builder.load(cells, align=_ALIGNED), builder.load(total)
+                builder.store(builder.fadd(before, cells) if weight is None else builder.call(fused, [factor, cells, before]), total)
+    for target, *parts in zip(_vectors(builder, out.data, place), *sums):
+        parts = [builder.load(part) for part in parts]
+        while len(parts) > 1:
+            parts = [builder.fadd(*parts[k : k + 2]) for k in range(0, len(parts), 2)]
+        builder.store(parts[0], target, align=_ALIGNED)
     return context.get_dummy_value()
 
 
