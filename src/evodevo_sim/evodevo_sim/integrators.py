@@ -19,7 +19,7 @@ from ._jit import lean
 from .contact import meet, meet_flat, meet_tips
 from .energy import add_muscle_power, add_power, resistances
 from .physics import SOUND, UNSTABLE, _copy, accelerations, make_scratch, set_rest_lengths
-from .stability import EULER, VERLET
+from .stability import EULER, VERLET, is_sound
 from .terrain import FLAT, touches
 
 _SLOWEST = 1e-9  # of an interval: an adaptive step below this has failed
@@ -216,15 +216,18 @@ def _combine(h, weight, position, velocity, work):
 
 
 @lean
-def carry(system, method, t, seconds, steps, position, velocity, work, ledger):
+def carry(system, method, t, seconds, steps, position, velocity, work, ledger, watched=False):
     """Carry a state from time t over an interval in equal steps, in place.
 
     Args:
         method: EULER, VERLET or RK4; only Euler knows the ground.  There its velocities are those of the middles of steps and
             are shifted to the ends of the interval, so that free fall is exact and what rests has no speed.
         ledger: (4,), added to: see `energy`; or empty.
+        watched: whether to look at every step's outcome, and to stop at the first that is not sound.
+
+    Returns: SOUND, or what was wrong.
     """
-    h = seconds / steps
+    h, outcome = seconds / steps, SOUND
     if system.ground:
         _shift(system, t, -0.5 * h, position, velocity, work)
     if method == VERLET:
@@ -239,8 +242,13 @@ def carry(system, method, t, seconds, steps, position, velocity, work, ledger):
         else:
             _stages(system, now, h, 0, position, velocity, work, _CLASSICAL, ledger)
             _combine(h, _CLASSICAL[2], position, velocity, work)
+        if watched:
+            outcome = is_sound(system, position, velocity, h, work)
+            if outcome != SOUND:
+                break
     if system.ground:
         _shift(system, t + seconds, 0.5 * h, position, velocity, work)
+    return outcome
 
 
 @lean

@@ -22,6 +22,7 @@ MOST_DOUBLINGS = 3
 _STABLE_DRAG = 2.6  # h * (rate of drag) after a substep, up to which RK4 does not overshoot
 _FASTEST = 0.5  # of the shortest rest length, that a cell may move in a substep
 _SHORTEST = 0.05  # of its rest length, that a spring may shrink to
+_FARTHEST = 1.0  # of its present length, that its ends may move against each other in a substep: beyond, energy comes from nowhere
 
 # stiffness N/m, damping N s/m, pressure N/m, drag_normal and drag_tangential kg/m^2
 Law = namedtuple("Law", "stiffness damping pressure drag_normal drag_tangential")
@@ -280,16 +281,18 @@ def check(body, position, velocity, h):
     x, y, u, v = position[0], position[1], velocity[0], velocity[1]
     start, end, rest_length, triangle = body.spring_a, body.spring_b, body.rest_length, body.triangle
     polygon, corner = body.polygon_start, body.polygon_cell
-    fastest = (_FASTEST * body.shortest / h) ** 2
+    fastest, farthest = (_FASTEST * body.shortest / h) ** 2, (h / _FARTHEST) ** 2
     for i in range(x.size):
         if not u[i] * u[i] + v[i] * v[i] <= fastest:
             return UNSTABLE
     for e in range(rest_length.size):
         i, j = start[e], end[e]
-        dx, dy = x[j] - x[i], y[j] - y[i]
-        shortest = _SHORTEST * rest_length[e]
-        if not dx * dx + dy * dy > shortest * shortest:
+        dx, dy, du, dv = x[j] - x[i], y[j] - y[i], u[j] - u[i], v[j] - v[i]
+        shortest, square = _SHORTEST * rest_length[e], dx * dx + dy * dy
+        if not square > shortest * shortest:
             return INVERTED
+        if not (du * du + dv * dv) * farthest <= square:
+            return UNSTABLE
     for t in range(triangle.shape[0]):
         a, b, c = triangle[t, 0], triangle[t, 1], triangle[t, 2]
         if not (x[b] - x[a]) * (y[c] - y[a]) > (x[c] - x[a]) * (y[b] - y[a]):
@@ -322,7 +325,9 @@ def advance(body, law, rest, position, velocity, control_step, substeps, scratch
         h = control_step / steps
         for _ in range(steps):
             _runge_kutta(body, law, rest, position, velocity, h, scratch)
-        outcome = check(body, position, velocity, h)
+            outcome = check(body, position, velocity, h)
+            if outcome != SOUND:
+                break
         if outcome == SOUND:
             find_drag_rate(body, law, position, velocity, scratch)
             if h * scratch.rate[0] > _STABLE_DRAG:

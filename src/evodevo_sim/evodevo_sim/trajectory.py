@@ -17,7 +17,7 @@ MOST_STEPS = 100_000  # in a frame, before they are doubled
 
 @lean
 def carry_soundly(system, method, t, seconds, steps, doublings, position, velocity, work, ledger):
-    """`carry`, then a look at the outcome; where that is not sound, again with twice the steps, at most `doublings` times.
+    """`carry`, with a look at each step; where one is not sound, again with twice the steps, at most `doublings` times.
 
     Returns: (SOUND or what was wrong with the finest try, steps of that try).
     """
@@ -32,8 +32,7 @@ def carry_soundly(system, method, t, seconds, steps, doublings, position, veloci
             for k in range(ledger.size):
                 ledger[k] = work.power[k]
             steps *= 2
-        carry(system, method, t, seconds, steps, position, velocity, work, ledger)
-        outcome = is_sound(system, position, velocity, seconds / steps, work)
+        outcome = carry(system, method, t, seconds, steps, position, velocity, work, ledger, True)
         if outcome == SOUND:
             break
     return outcome, steps
