@@ -85,7 +85,7 @@ def test_scent_steers_muscles_only_where_the_task_has_a_target():
 
 
 def smelt(animat):
-    return animat._life.table[scent_row(animat._life.units)]
+    return animat._life.table[scent_row(animat._life.units), : len(animat.position)]
 
 
 # --- the three swims ----------------------------------------------------------------------------------------------------

@@ -29,7 +29,7 @@ def test_the_recorded_swim_has_its_target(bag):
     performance, life = perform(pulsing_smeller(), TASK), life_of(read_recording(bag))
     assert np.array_equal(life.position, performance.position) and life.target.shape == (121, 2)
     assert (life.target == performance.target).all()
-    assert life.target_distance[0] == pytest.approx(TASK.chemotaxis.distance)
+    assert life.target_distance[0] == pytest.approx(performance.evaluation.metrics.steering.distance)
 
 
 def test_a_target_counts_from_where_it_came_and_the_last_life_keeps_it(tmp_path):

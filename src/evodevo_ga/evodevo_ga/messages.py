@@ -36,14 +36,15 @@ def champion_message(generation: int, champion: Individual, seconds: float) -> m
 
 def audit_message(finding: Finding, seconds: float) -> msg.Audit:
     runs = finding.audit.runs
-    fitness = [run.fitness for run in runs] if runs else [finding.audit.evaluation.fitness] * 3
+    evolved = finding.audit.evaluation.fitness
+    finer, higher_order = (run.fitness for run in runs[1:]) if runs else (evolved, evolved)
     return msg.Audit(
         stamp=time_message(seconds),
         generation=finding.generation,
         stands=finding.audit.stands,
         faults=list(finding.audit.faults),
-        fitness=fitness[0],
-        fitness_finer=fitness[1],
-        fitness_higher_order=fitness[2],
+        fitness=evolved,
+        fitness_finer=finer,
+        fitness_higher_order=higher_order,
         unexplained=runs[0].gap if runs else 0.0,
     )

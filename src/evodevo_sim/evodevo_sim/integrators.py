@@ -243,7 +243,7 @@ def carry(system, method, t, seconds, steps, position, velocity, work, ledger, w
             _stages(system, now, h, 0, position, velocity, work, _CLASSICAL, ledger)
             _combine(h, _CLASSICAL[2], position, velocity, work)
         if watched:
-            outcome = is_sound(system, position, velocity, h, work)
+            outcome = is_sound(system, method, position, velocity, h, work)
             if outcome != SOUND:
                 break
     if system.ground:

@@ -19,7 +19,7 @@ ACCURATE_RK4 = 1.5
 ACCURATE_DRAG = 1.6
 MOST_SUBSTEPS = 1000  # in a control step; a body that needs more would keep everybody waiting for hours
 MOST_DOUBLINGS = 3
-_STABLE_DRAG = 2.6  # h * (rate of drag) after a substep, up to which RK4 does not overshoot
+STABLE_DRAG = 2.6  # h * (rate of drag) after a substep, up to which RK4 does not overshoot
 _FASTEST = 0.5  # of the shortest rest length, that a cell may move in a substep
 _SHORTEST = 0.05  # of its rest length, that a spring may shrink to
 _FARTHEST = 1.0  # of its present length, that its ends may move against each other in a substep: beyond, energy comes from nowhere
@@ -330,7 +330,7 @@ def advance(body, law, rest, position, velocity, control_step, substeps, scratch
                 break
         if outcome == SOUND:
             find_drag_rate(body, law, position, velocity, scratch)
-            if h * scratch.rate[0] > _STABLE_DRAG:
+            if h * scratch.rate[0] > STABLE_DRAG:
                 outcome = UNSTABLE  # it sped up so much that drag may have overshot
         if outcome == SOUND:
             break

@@ -10,14 +10,14 @@ from __future__ import annotations
 import numpy as np
 
 from ._jit import kernel, lean
-from .physics import UNSTABLE, check, damping_bound, drag_rate, frequency_bound
+from .physics import STABLE_DRAG, UNSTABLE, check, damping_bound, drag_rate, frequency_bound
 
 INTEGRATORS = ("euler", "verlet", "rk4", "adaptive")
 EULER, VERLET, RK4, ADAPTIVE = range(4)
 _SAFETY = 0.8  # of the stability limit
 _RK4_LIMIT = 2.61  # the least |z| on the edge of RK4's stability region, in the left half plane
 _DRAG_LIMIT = 0.5  # h * rate of drag, far below the 4 at which explicit drag overshoots for good
-_MOST_DRAG = 1.0  # the same, that steps chosen before a body sped up may reach
+_MOST_DRAG = 1.0  # the same, that steps of Euler and Verlet may reach which were chosen before a body sped up; RK4: STABLE_DRAG
 _PHASE_LIMIT = 0.5  # rad of the fastest muscle in a step
 _LEAST = (4, 4, 1)  # steps an interval, for accuracy where the body is soft
 
@@ -54,11 +54,12 @@ def choose_steps(system, method, bound, position, velocity, seconds):
 
 
 @lean
-def is_sound(system, position, velocity, h, work):
+def is_sound(system, method, position, velocity, h, work):
     """`physics.check` in the frame of the mean velocity, how fast a body travels is no fault; and drag that steps of h can bear."""
     law = system.law
     if law.drag_normal != 0.0 or law.drag_tangential != 0.0:
-        if not h * drag_rate(system.body, law, position, velocity, work.scratch.k1[0]) <= _MOST_DRAG:
+        most = STABLE_DRAG if method == RK4 else _MOST_DRAG
+        if not h * drag_rate(system.body, law, position, velocity, work.scratch.k1[0]) <= most:
             return UNSTABLE
     cells, own = position.shape[1], work.scratch.velocity
     for a in range(2):

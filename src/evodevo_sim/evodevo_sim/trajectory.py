@@ -55,7 +55,7 @@ def follow(system, method, bound, steps, finer, tolerance, h, time, first, last,
                 h = seconds / choose_steps(system, RK4, bound, position, velocity, seconds)
             outcome, h, _ = carry_adaptively(system, time[k], seconds, tolerance, h, position, velocity, work, nothing)
             if outcome == SOUND:
-                outcome = is_sound(system, position, velocity, 0.0, work)
+                outcome = is_sound(system, method, position, velocity, 0.0, work)
         else:
             count = steps if steps else finer * choose_steps(system, method, bound, position, velocity, seconds)
             outcome = UNSTABLE
@@ -94,7 +94,7 @@ def repeat(system, method, steps, finer, tolerance, control_step, activation, po
         if method == ADAPTIVE:
             outcome, h, _ = carry_adaptively(system, 0.0, control_step, tolerance, h, position, velocity, work, ledger)
             if outcome == SOUND:
-                outcome = is_sound(system, position, velocity, 0.0, work)
+                outcome = is_sound(system, method, position, velocity, 0.0, work)
         else:
             many = finer * substeps_in_drag(body, law, position, velocity, control_step, steps, work.scratch)
             outcome, _ = carry_soundly(system, method, 0.0, control_step, many, DOUBLINGS, position, velocity, work, ledger)

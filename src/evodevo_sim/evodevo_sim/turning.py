@@ -159,7 +159,7 @@ def actuation(genome: Genome, task: Task, tape) -> np.ndarray:
     row = scent_row(life.units)
     made = np.empty_like(tape)
     for step, scents in enumerate(tape):
-        life.table[row] = scents
+        life.table[row, : len(scents)] = scents
         think(life, step, arguments, continual)
         made[step] = life.muscle
     return made
