@@ -65,7 +65,8 @@ def parse(arguments: list[str]) -> Options:
     parser = Parser("evolve", "Evolve soft-bodied animats that grow from one cell and move without a central controller.", _EPILOG)
     parser.add_argument("--task", default=TASKS[0], metavar="NAME", help=f"what to evolve for: {', '.join(TASKS)} (default %(default)s)")
     parser.add_argument("--world", metavar="NAME|FILE", help=f"walk: {', '.join(WORLDS)}, or a file of your own (default flat)")
-    parser.add_argument("--starts", type=int, metavar="N", help=f"walk: orientations at birth, of which the worse half counts (default {default_task('walk').starts})")
+    starts = f"walk: orientations at birth, of which the worse half counts (default {default_task('walk').starts})"
+    parser.add_argument("--starts", type=int, metavar="N", help=starts)
     parser.add_argument("--cells", default=32, type=int, metavar="N", help="most cells of a body (default %(default)s)")
     parser.add_argument("--seed", default=1, type=int, metavar="N", help="same seed, same champions, bit for bit (default %(default)s)")
     parser.add_argument("--out", metavar="DIR", help="directory of the run, made anew (default bags/TASK-DATE-TIME)")

@@ -8,8 +8,9 @@ from contextlib import contextmanager
 
 from rich.table import Table
 
-START, EVALUATION, MESSAGES, BREEDING = "start: kernels, simulators", "waiting for simulators", "making, sending, reading messages", "breeding (ask, tell)"
-RECORDING, AUDITS, CHAMPION, REST = "recording, publishing", "waiting for the last audits", "champion's life and gait", "rest"
+START, EVALUATION, MESSAGES = "start: kernels, simulators", "waiting for simulators", "making, sending, reading messages"
+BREEDING, RECORDING, AUDITS = "breeding (ask, tell)", "recording, publishing", "waiting for the last audits"
+CHAMPION, REST = "champion's life and gait", "rest"
 
 
 class Times:

@@ -26,8 +26,8 @@ _SLOWEST = 1e-9  # of an interval: an adaptive step below this has failed
 _MOST_TRIES = 100_000  # of adaptive steps in an interval
 
 # What moves a body.  law: see `physics.Law`; gravity m/s^2, downward; friction: Coulomb's coefficient; ground: whether the
-# terrain is solid; terrain: see `terrain.Terrain`; amplitude, frequency (Hz), phase (rad): (N,) of e - c = amplitude sin(2 pi frequency t + phase), or empty: rest
-# lengths are held.  Scratch or held: muscle (N,) of e - c, rest (E,) m.
+# terrain is solid; terrain: see `terrain.Terrain`; amplitude, frequency (Hz), phase (rad): (N,) of
+# e - c = amplitude sin(2 pi frequency t + phase), or empty: rest lengths are held.  Scratch or held: muscle (N,) of e - c, rest (E,) m.
 System = namedtuple("System", "body law gravity friction ground terrain amplitude frequency phase muscle rest")
 # scratch: see `physics.Scratch`; slope_p, slope_v (7, 2, N): slopes of both at up to seven stages; power (4,): the ledger of a
 # step that may still be refused.

@@ -101,7 +101,8 @@ def simulate_body(own: OwnBody, scene: str = "swim", duration: float = 10.0, *, 
         cause = f"stopped by you at {time[done]:.6g} s"
     time = time[: done + 1]
     activation = own.amplitude * np.sin(2 * np.pi * own.frequency * time[:, None] + own.phase)
-    return Motion(time, track[0][: done + 1], track[1][: done + 1], activation, cause, INTEGRATORS[method], system, make_world(own, world) if scene == "walk" else None)
+    terrain = make_world(own, world) if scene == "walk" else None
+    return Motion(time, track[0][: done + 1], track[1][: done + 1], activation, cause, INTEGRATORS[method], system, terrain)
 
 
 def make_scene(own: OwnBody, scene: str, world: str | None = None) -> System:

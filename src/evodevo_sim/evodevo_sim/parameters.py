@@ -133,7 +133,7 @@ class Chemotaxis(Checked):
     distance: float = parameter(8.0, 1e-3, 1e6, "m", "of the targets from the centre of mass at birth")
     angle: float = parameter(math.pi / 2, 0.0, math.pi, "rad", "of the targets from the way that it swims without one, to either side")
     pairs: int = parameter(2, 1, 100, "", "of targets, one on the left and one on the right each")
-    spread: float = parameter(0.3, 0.0, 0.9, "", "of pairs: the last one's angle is larger, its distance smaller by this share, the first one's the other way")
+    spread: float = parameter(0.3, 0.0, 0.9, "", "of pairs: share by which the last stands more aside and nearer, the first less and farther")
     least_distance: float = parameter(1.0, 0.0, 1e6, "m", "to swim without a target, before it is tested with targets")
     turning_weight: float = parameter(4.0, 0.0, 1e6, "", "of metres that turning has brought it nearer to both targets")
     approach_weight: float = parameter(8.0, 0.0, 1e6, "", "of metres that it is nearer to both targets than at birth")

@@ -1,7 +1,8 @@
 """Body physics (paper sections 2.3 and 4.2): forces of springs, chambers and drag, and the integration of one control step.
 
 The one interface: `advance` carries a state (position, velocity) over a control step with rest lengths held, and says whether
-the outcome is sound.  States are (2, N) here, a row of x and a row of y, which compilers turn into better code than (N, 2).  Worlds add terms to `accelerations`; integrators stand beside `_runge_kutta`.
+the outcome is sound.  States are (2, N) here, a row of x and a row of y, which compilers turn into better code than (N, 2).
+Worlds add terms to `accelerations`; integrators stand beside `_runge_kutta`.
 """
 
 from __future__ import annotations

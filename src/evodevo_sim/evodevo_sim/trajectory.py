@@ -73,8 +73,8 @@ def follow(system, method, bound, steps, finer, tolerance, h, time, first, last,
 def repeat(system, method, steps, finer, tolerance, control_step, activation, position, velocity, work, ledger, path):
     """Move a body by the muscles of a life, in place.
 
-    Args: steps: at rest, as evaluations take them; finer: times as many; activation (T + 1, N) of e - c, whose row k + 1 holds during control step k; ledger: (4,), added to, or empty; path
-    (windows + 1, 2): filled.
+    Args: steps: at rest, as evaluations take them; finer: times as many; activation (T + 1, N) of e - c, whose row k + 1 holds
+        during control step k; ledger: (4,), added to, or empty; path (windows + 1, 2): filled.
 
     Returns: (outcome; gain of stored energy, J; least S / S0 of any chamber after any control step).
     """

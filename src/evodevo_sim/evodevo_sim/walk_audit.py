@@ -44,7 +44,10 @@ def trial(genome: Genome, task: Task, directions, finer: int = 1, seed: int = 0)
 def audit_walk(
     genome: Genome, task: Task, seed: int, most_change: float | None, quick: bool, body, make_run
 ) -> tuple[Evaluation, list, list, str]:
-    """(evaluation as evolved, runs, faults, how far it walks from other starts).  Args: quick: less fine; body: of the genome; make_run: see `audit.Run`."""
+    """(evaluation as evolved, runs, faults, how far it walks from other starts).
+
+    Args: quick: less fine; body: of the genome; make_run: see `audit.Run`.
+    """
     most_change, finer = MOST_CHANGE if most_change is None else most_change, QUICK_FINER if quick else FINER
     result, _, *first = trial(genome, task, headings(seed, task.starts), seed=seed)
     evaluation = score(result, task)

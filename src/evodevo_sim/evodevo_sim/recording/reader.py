@@ -29,8 +29,8 @@ class Recording:
 
     Attributes: settings: Evolution; statistics: GenerationStatistics; champions: Champion; audits: Audit, of those champions
     that the run got to; growth and states: CellStates; growth_bodies: Body, where the embryo's graph changed; body: Body;
-    gait: Gait of the states; scene: Scene, of a walk by simulate; targets: PoseStamped; targets_from: for each of them, how many states came before it; truncated:
-    whether the end is missing, or damaged.
+    gait: Gait of the states; scene: Scene, of a walk by simulate; targets: PoseStamped; targets_from: for each of them, how many
+    states came before it; truncated: whether the end is missing, or damaged.
     """
 
     path: Path

@@ -24,7 +24,8 @@ def save_turning(found: list[tuple[str, Turning]], path) -> None:
         figure.subplots_adjust(left=0.02, right=0.97, top=1 - 0.75 / figure.get_figheight(), bottom=0.5 / figure.get_figheight(), hspace=0.3)
         for axes, (name, one) in zip(grid, found):
             _champion(axes, name, one)
-        figure.suptitle("Change of mean activation in a turn; the way without a target points up", fontsize=13, fontweight="bold", y=1 - 0.12 / figure.get_figheight())
+        title = "Change of mean activation in a turn; the way without a target points up"
+        figure.suptitle(title, fontsize=13, fontweight="bold", y=1 - 0.12 / figure.get_figheight())
         figure.savefig(path, format="png")
 
 

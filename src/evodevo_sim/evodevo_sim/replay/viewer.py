@@ -26,7 +26,10 @@ def is_installed() -> bool:
 
 
 def save(recording: Recording, life: Life, path: str, step=lambda part: None) -> None:
-    """Write a Rerun file.  Args: step: called with the name of each part before it is written.  Raises OutputError where Rerun is missing or cannot write."""
+    """Write a Rerun file.  Args: step: called with the name of each part before it is written.
+
+    Raises OutputError where Rerun is missing or cannot write.
+    """
     if not is_installed():
         raise OutputError(NO_RERUN)
     import rerun
