@@ -91,7 +91,7 @@ make_environment() {
 # What a package's build depends on.  Python modules and YAML files are linked, not copied: changes in them need no build,
 # new YAML files do.
 package_recipe() {
-    find "src/$1" -regex '.*/\(msg\|srv\|genomes\|worlds\)/.*' | sort \
+    find "src/$1" -regex '.*/\(msg\|srv\|champions\)/.*' | sort \
         | cat - "src/$1"/{package.xml,setup.py,setup.cfg,CMakeLists.txt,msg/*,srv/*} 2>/dev/null | sha256sum
 }
 
