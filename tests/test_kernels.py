@@ -14,10 +14,9 @@ PACKAGE = Path(evodevo_sim.__file__).parent
 SCRIPT = """
 from evodevo_sim import _jit
 before = _jit.is_compiled("regulation.affinity")
-from evodevo_sim.gabriel import gabriel_graph
-from evodevo_sim.regulation import affinity
-import numpy as np
-gabriel_graph(np.array([[0.0, 0.0], [1.0, 0.0]]))
+from evodevo_sim.lanes import padded
+from evodevo_sim.regulation import activation, affinity
+activation(1.0), padded(3)
 print(before, affinity(3.0), sum(1 for _ in _jit.CACHE_DIRECTORY.rglob("*.nbc")), _jit.CACHE_DIRECTORY)
 """
 
@@ -29,8 +28,10 @@ def copy(tmp_path):
     environment = {k: v for k, v in os.environ.items() if k != "NUMBA_CACHE_DIR"}
     environment |= {"PYTHONPATH": f"{tmp_path}:{environment.get('PYTHONPATH', '')}", "XDG_CACHE_HOME": str(tmp_path / "cache")}
 
-    def run():
-        result = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, env=environment, timeout=120)
+    def run(**changed):
+        result = subprocess.run(
+            [sys.executable, "-c", SCRIPT], capture_output=True, text=True, env=environment | changed, timeout=120
+        )
         compiled, value, files, directory = result.stdout.split()
         return compiled == "True", float(value), int(files), directory
 
@@ -50,6 +51,16 @@ def test_a_changed_constant_in_another_file_is_never_a_stale_hit(copy):
     source.write_text(source.read_text().replace("REACH = 5.0", "REACH = 4.0"))
     compiled, after, _, elsewhere = copy()
     assert not compiled and after != before and elsewhere != directory
+
+
+def test_looking_at_every_index_never_meets_kernels_that_do_not(copy):
+    first, looking = copy(), copy(NUMBA_BOUNDSCHECK="1")
+    assert not looking[0] and looking[1] == first[1] and looking[3] != first[3]
+
+
+def test_a_chosen_cache_directory_keeps_kernels_of_other_sources_apart(copy, tmp_path):
+    _, _, _, directory = copy(NUMBA_CACHE_DIR=str(tmp_path / "chosen"))
+    assert (tmp_path / "chosen") in Path(directory).parents and Path(directory).name == Path(copy()[3]).name
 
 
 def test_every_file_that_holds_or_feeds_a_kernel_counts():

@@ -9,10 +9,11 @@ from evodevo_sim import Development, ParameterError, Scene, Status, Task, evalua
 from evodevo_sim.live import Animat, NotViable
 from evodevo_sim.messages import task_from_message, task_message
 from evodevo_sim.parameters import default_task, with_settings
+from evodevo_sim.scent import disturb
 from evodevo_sim.terrain import make_terrain, touching
 from evodevo_sim.walk import Walk
 from evodevo_sim.walk_audit import trial
-from evodevo_sim.walk_task import headings, score, start_fitness
+from evodevo_sim.walk_task import begin, headings, noise, score, start_fitness
 from evodevo_sim.worlds import PRESETS, with_world
 from genomes import beating, dividing, hand_made, ring
 from rclpy.serialization import deserialize_message, serialize_message
@@ -109,6 +110,15 @@ def test_more_starts_begin_with_the_same_ones():
     assert not np.array_equal(headings(7, 1), headings(8, 1))
     alone = [trial(ring(), TASK, headings(7, 3)[k : k + 1])[1][0] for k in range(3)]
     assert trial(ring(), TASK, headings(7, 3))[1].tolist() == alone
+
+
+def test_noise_of_muscles_is_each_cells_own_where_no_morphogen_is_shared():
+    # In plain Python, where every index is checked: this body's network exchanges nothing, so it has no scratch for that.
+    status, walker, life = begin(ring(), NOISY, 1)
+    assert status == Status.OK and life.network.morphogens.size == 0
+    life.muscle[:], before = 0.0, life.rest.copy()
+    disturb.py_func(life, noise(with_settings(TASK, {"noise.actuation": 0.1}), 1), 0)
+    assert not life.muscle.any() and len(set(life.rest / before)) == life.rest.size
 
 
 def test_what_cannot_walk_says_so():

@@ -2,7 +2,8 @@
 
 Numba looks only at a function's own file when it decides whether a cached kernel is fresh, so a kernel would go on calling
 an old version of a helper or constant in another file.  Here the cache directory is named by a hash of every file that
-holds a kernel and of all that those import: a change in any of them compiles anew.
+holds a kernel and of all that those import: a change in any of them compiles anew.  So does NUMBA_BOUNDSCHECK=1, which has every
+index looked at, slowly, but for those of `lanes`.
 """
 
 from __future__ import annotations
@@ -34,17 +35,18 @@ def kernel_sources() -> list[Path]:
 
 
 def _sources_hash() -> str:
-    digest = hashlib.sha256(numba.__version__.encode())
+    digest = hashlib.sha256(f"{numba.__version__} {numba.config.BOUNDSCHECK}".encode())
     for path in kernel_sources():
         digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()[:16]
 
 
 def _caches() -> Path:
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "evodevo"
+    chosen = os.environ.get("NUMBA_CACHE_DIR")
+    return Path(chosen or os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "evodevo"
 
 
-CACHE_DIRECTORY = Path(os.environ.get("NUMBA_CACHE_DIR") or _caches() / _sources_hash())
+CACHE_DIRECTORY = _caches() / _sources_hash()
 
 
 def kernel(function, **options):

@@ -71,7 +71,7 @@ def disturb(life, signals, step):
                 c[i] = min(max(c[i] + signals.noise[1] * normal(random), 0.0), 1.0)
         for i in range(cells):
             muscle[i] = table[life.units + EXPANSION, i] - table[life.units + CONTRACTION, i]
-    pull = life.share[:, 0]
+    pull = life.scratch.k1[0]
     for i in range(cells):
         pull[i] = muscle[i]
         if signals.noise[2] > 0.0:
