@@ -25,7 +25,7 @@ print(before, affinity(3.0), sum(1 for _ in _jit.CACHE_DIRECTORY.rglob("*.nbc"))
 def copy(tmp_path):
     """Runs SCRIPT on a copy of the package with a cache of its own."""
     shutil.copytree(PACKAGE, tmp_path / "evodevo_sim", ignore=shutil.ignore_patterns("__pycache__"))
-    environment = {k: v for k, v in os.environ.items() if k != "NUMBA_CACHE_DIR"}
+    environment = {k: v for k, v in os.environ.items() if k not in ("NUMBA_CACHE_DIR", "NUMBA_BOUNDSCHECK")}
     environment |= {"PYTHONPATH": f"{tmp_path}:{environment.get('PYTHONPATH', '')}", "XDG_CACHE_HOME": str(tmp_path / "cache")}
 
     def run(**changed):

@@ -105,20 +105,32 @@ class _Run:
     def _find_simulators_and_evolve(self) -> None:
         o = self.options
         self.recorder.write("evolution/settings", evolution_message(o.settings, o.task, o.seed, o.start), time.time_ns(), latched=True)
-        with self.times(START):
-            services = [] if o.simulators else self._find()
-        if services:
-            print(f"Evolving on {len(services)} simulators of the graph: {', '.join(services)}; recording to {o.out}", flush=True)
-            try:
-                return self._evolve(Fleet(self.node, self.executor, services, self.times), _ANSWER)
-            except FleetError:  # those that were killed are listed for a while
-                if self.evolution.population:
-                    raise
-                print("They do not answer.")
-        count = o.simulators or cores()
-        with OwnSimulators(count, o.out / "simulators.log", task=o.task.name) as own:
-            print(f"Evolving on {count} simulators of our own; recording to {o.out}", flush=True)
-            self._evolve(Fleet(self.node, self.executor, own.services, self.times), _START, own.alive)
+        count, log = o.simulators or cores(), o.out / "simulators.log"
+        with OwnSimulators(count, log, task=o.task.name) as own:  # they start while we look for others
+            with self.times(START):
+                fleet = None if o.simulators else self._others()
+                if fleet:
+                    own.end()
+                    log.unlink()
+                else:
+                    print(f"Evolving on {count} simulators of our own; recording to {o.out}", flush=True)
+                    fleet = Fleet(self.node, self.executor, own.services, self.times)
+                    fleet.wait(_START, own.alive, self.stop)
+            self._evolve(fleet)
+
+    def _others(self) -> Fleet | None:
+        """The simulators of the graph, if there are any that answer."""
+        services = self._find()
+        if not services:
+            return None
+        fleet = Fleet(self.node, self.executor, services, self.times)
+        try:
+            fleet.wait(_ANSWER, stop=self.stop)
+        except FleetError:  # those that were killed are listed for a while
+            print(f"The simulators of the graph do not answer: {', '.join(services)}")
+            return None
+        print(f"Evolving on {len(services)} simulators of the graph: {', '.join(services)}; recording to {self.options.out}", flush=True)
+        return fleet
 
     def _find(self) -> list[str]:
         """The simulators on the graph.  Discovery goes on in threads of its own since the node began, also while we compiled."""
@@ -130,10 +142,8 @@ class _Run:
             self.executor.spin_once(timeout_sec=0.05)
         return found
 
-    def _evolve(self, fleet: Fleet, seconds: float, alive=lambda: True) -> None:
+    def _evolve(self, fleet: Fleet) -> None:
         o = self.options
-        with self.times(START):
-            fleet.wait(seconds, alive, self.stop)
         bar = tqdm(total=o.settings.generations, unit="gen", disable=o.quiet, mininterval=0.1 if sys.stderr.isatty() else 5.0)
         with bar:
             while not (self.evolution.finished or self.stop()):

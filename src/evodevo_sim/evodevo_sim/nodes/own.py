@@ -49,6 +49,9 @@ class OwnSimulators:
         return self
 
     def __exit__(self, *_):
+        self.end()
+
+    def end(self) -> None:
         for process in self._processes:
             process.terminate()
         deadline = time.monotonic() + 5.0
@@ -58,6 +61,7 @@ class OwnSimulators:
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()
+        self._processes.clear()
 
 
 def _end_with_parent():
