@@ -3,5 +3,7 @@
 import os
 import random
 
-os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+from evodevo_sim.nodes.common import stay_on_this_host
+
+stay_on_this_host()
 os.environ.setdefault("ROS_DOMAIN_ID", str(random.randint(1, 100)))

@@ -94,7 +94,7 @@ def test_a_run_uses_the_simulators_on_the_graph_and_outlives_one(tmp_path, in_pr
     with simulators(*namespaces) as nodes, Operator() as operator:
         services = [f"{namespace}/evaluate" for namespace in namespaces]
         operator.until(lambda: set(services) <= set(find_simulators(operator.node)))
-        process = start("--look", "8", out=tmp_path / "run")
+        process = start("--look", "5", out=tmp_path / "run")
         assert "2 simulators of the graph" in first_line(process)
         nodes[0].kill()
         stdout, stderr = process.communicate(timeout=DEADLINE)
@@ -106,7 +106,7 @@ def test_a_run_uses_the_simulators_on_the_graph_and_outlives_one(tmp_path, in_pr
 def test_a_run_that_loses_its_last_simulator_keeps_what_was_done(tmp_path):
     with simulators(f"/lone_{os.getpid()}") as [node], Operator() as operator:
         operator.until(lambda: f"/lone_{os.getpid()}/evaluate" in find_simulators(operator.node))
-        process = start("--generations", "100000", "--look", "8", out=tmp_path / "run")
+        process = start("--generations", "100000", "--look", "5", out=tmp_path / "run")
         assert "of the graph" in first_line(process)
         wait_for(tmp_path / "run/champion.yaml", process)
         node.terminate()

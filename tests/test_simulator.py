@@ -226,11 +226,17 @@ def test_a_signal_ends_it_in_good_order_even_in_a_long_batch(number):
 
 def test_nodes_stay_on_this_host_unless_told_otherwise(monkeypatch):
     monkeypatch.delenv("ROS_AUTOMATIC_DISCOVERY_RANGE")
+    monkeypatch.delenv("FASTRTPS_DEFAULT_PROFILES_FILE")
+    monkeypatch.setattr(os, "environ", os.environ.copy())
     stay_on_this_host()
     assert os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET")
+    assert os.path.exists(os.environ.pop("FASTRTPS_DEFAULT_PROFILES_FILE"))
+    os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "SUBNET"  # a network is not for our rhythm
     stay_on_this_host()
-    assert os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "SUBNET"
+    assert os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "SUBNET" and "FASTRTPS_DEFAULT_PROFILES_FILE" not in os.environ
+    os.environ |= {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", "FASTRTPS_DEFAULT_PROFILES_FILE": "own.xml"}
+    stay_on_this_host()
+    assert os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] == "own.xml"
 
 
 @pytest.mark.parametrize(

@@ -71,7 +71,7 @@ def parse(arguments: list[str]) -> Options:
     parser.add_argument("--seed", default=1, type=int, metavar="N", help="same seed, same champions, bit for bit (default %(default)s)")
     parser.add_argument("--out", metavar="DIR", help="directory of the run, made anew (default bags/TASK-DATE-TIME)")
     parser.add_argument("--simulators", type=int, metavar="N", help="start N simulator nodes of our own, whatever is on the graph")
-    parser.add_argument("--look", default=2.5, type=float, metavar="S", help="seconds to look for simulators on the graph (default %(default)s)")
+    parser.add_argument("--look", default=1.5, type=float, metavar="S", help="seconds to look for simulators on the graph (default %(default)s)")
     parser.add_argument("--start", nargs="+", default=[], metavar="FILE|DIR", help="genomes to begin from, or runs with a champion.yaml")
     parser.add_argument("--quiet", action="store_true", help="no progress bar, and no table of times")
     group = parser.add_argument_group("genetic algorithm")

@@ -29,7 +29,7 @@ from .fleet import Fleet, FleetError, find_simulators
 from .messages import audit_message, champion_message, evolution_message, statistics_message
 from .times import AUDITS, BREEDING, CHAMPION, EVALUATION, RECORDING, START, Times, table
 
-_DISCOVERY_OF_ALL = 4.0  # s from the node's start in which simulators are found if one is: DDS announces every 3 s
+_DISCOVERY_OF_ALL = 4.0  # s from the node's start to look on where one is found: others' DDS may announce itself every 3 s
 _MORE = 0.5  # s at the least to look, and to wait for another one after each
 _ANSWER = 5.0  # s for a simulator of the graph to answer; one that was killed is listed for a while
 _START = 60.0  # s for one of our own to start

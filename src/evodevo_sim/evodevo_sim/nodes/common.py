@@ -7,6 +7,7 @@ import os
 import signal
 import sys
 import threading
+from pathlib import Path
 
 import rclpy
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
@@ -19,11 +20,13 @@ from ..parameters import ParameterError
 
 END_WITHIN = 2.0  # s for good order after SIGINT or SIGTERM
 DISCOVERY = "ROS_AUTOMATIC_DISCOVERY_RANGE"
+_PROFILES = "FASTRTPS_DEFAULT_PROFILES_FILE"
 
 
 def stay_on_this_host() -> None:
-    """No packet leaves the host, unless the user says so.  To be called before `rclpy.init`."""
-    os.environ.setdefault(DISCOVERY, "LOCALHOST")
+    """No packet leaves the host, unless the user says so, and nodes find each other soon.  To be called before `rclpy.init`."""
+    if os.environ.setdefault(DISCOVERY, "LOCALHOST") == "LOCALHOST":
+        os.environ.setdefault(_PROFILES, str(Path(__file__).with_name("discovery.xml")))
 
 
 def without_ros(parser: argparse.ArgumentParser, arguments: list[str]) -> list[str]:
