@@ -13,10 +13,10 @@ from collections import Counter
 
 import numpy as np
 from evodevo_sim import Task
+from evodevo_sim.forces import make_law, make_scratch, set_rest_lengths
 from evodevo_sim.parameters import with_settings
-from evodevo_sim.physics import (
-    INVERTED, SOUND, UNSTABLE, advance, choose_substeps, make_law, make_scratch, set_rest_lengths, substeps_in_drag,
-)
+from evodevo_sim.physics import INVERTED, SOUND, UNSTABLE, advance
+from evodevo_sim.rates import choose_substeps, substeps_in_drag
 from random_bodies import random_body
 from tqdm import tqdm
 

@@ -14,8 +14,8 @@ import matplotlib
 import numpy as np
 from evodevo_sim import Material, Scene, load_genome
 from evodevo_sim.body import build_body
+from evodevo_sim.forces import Law
 from evodevo_sim.gabriel import adjacency, gabriel_graph
-from evodevo_sim.physics import Law
 from PIL import Image
 from rich.console import Console
 from rich.table import Table

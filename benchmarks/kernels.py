@@ -5,12 +5,13 @@ All in one file: numba's cache looks at this file and, by `_jit`, at those of ev
 
 import numpy as np
 from evodevo_sim._jit import kernel, lean
+from evodevo_sim.forces import accelerations
 from evodevo_sim.gabriel import follow
 from evodevo_sim.integrators import carry, carry_adaptively, set_muscles
-from evodevo_sim.physics import accelerations, check
+from evodevo_sim.physics import check
 from evodevo_sim.regulation import exchange, regulate
-from evodevo_sim.stability import ADAPTIVE
 from evodevo_sim.scent import Signals
+from evodevo_sim.stability import ADAPTIVE
 from evodevo_sim.swim import live
 
 

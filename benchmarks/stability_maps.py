@@ -12,8 +12,8 @@ from __future__ import annotations
 
 import numpy as np
 from common import TINY, Figure, body_of, main, plt, save, scattered, write_csv
+from evodevo_sim.forces import Law, accelerations, make_scratch
 from evodevo_sim.integrators import make_system, make_work
-from evodevo_sim.physics import Law, accelerations, make_scratch
 from evodevo_sim.stability import EULER, INTEGRATORS, RK4, VERLET, bounds, longest_step
 from kernels import grows
 from tqdm import tqdm

@@ -18,10 +18,11 @@ import numpy as np
 from evodevo_sim import Scene
 from evodevo_sim.body import build_body
 from evodevo_sim.energy import stored_energy
+from evodevo_sim.forces import make_law, set_rest_lengths
 from evodevo_sim.gabriel import adjacency, gabriel_graph
 from evodevo_sim.integrators import euler, make_system, make_work
 from evodevo_sim.parameters import default_task
-from evodevo_sim.physics import SOUND, check, make_law, set_rest_lengths
+from evodevo_sim.physics import SOUND, check
 from evodevo_sim.terrain import clearance, make_terrain
 from evodevo_sim.walk import choose_walk_steps
 from evodevo_sim.worlds import PRESETS, scene_of

@@ -14,8 +14,8 @@ from __future__ import annotations
 
 import numpy as np
 from common import FULL, STEP, TINY, Figure, best, main, plt, race, save, slab, write_csv
+from evodevo_sim.forces import Law
 from evodevo_sim.integrators import make_system, make_work
-from evodevo_sim.physics import Law
 from evodevo_sim.stability import ADAPTIVE, EULER, INTEGRATORS, RK4, VERLET, bounds
 from kernels import travel
 from matplotlib.ticker import NullFormatter

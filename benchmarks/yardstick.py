@@ -21,10 +21,12 @@ import numpy as np
 from evodevo_sim import Task
 from evodevo_sim.body import build_body
 from evodevo_sim.command_line import pairs
+from evodevo_sim.forces import make_law, make_scratch, set_rest_lengths
 from evodevo_sim.gabriel import adjacency, gabriel_graph
 from evodevo_sim.life import SETTLE_LIMIT, SETTLE_TOLERANCE, centre_of_mass
 from evodevo_sim.parameters import with_settings
-from evodevo_sim.physics import SOUND, advance, choose_substeps, make_law, make_scratch, set_rest_lengths, settle, substeps_in_drag
+from evodevo_sim.physics import SOUND, advance, settle
+from evodevo_sim.rates import choose_substeps, substeps_in_drag
 from tqdm import tqdm
 
 PERIODS = (10, 15, 20, 30, 40, 50, 60, 80, 100, 130, 170, 220, 300, 400)  # control steps

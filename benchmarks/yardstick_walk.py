@@ -20,11 +20,12 @@ import numba
 import numpy as np
 from evodevo_sim.body import build_body
 from evodevo_sim.command_line import pairs
+from evodevo_sim.forces import make_law, set_rest_lengths
 from evodevo_sim.gabriel import adjacency, gabriel_graph
 from evodevo_sim.integrators import euler, make_system, make_work
 from evodevo_sim.life import centre_of_mass
 from evodevo_sim.parameters import default_task, with_settings
-from evodevo_sim.physics import SOUND, check, make_law, set_rest_lengths
+from evodevo_sim.physics import SOUND, check
 from evodevo_sim.terrain import make_terrain
 from evodevo_sim.walk import choose_walk_steps
 from tqdm import tqdm

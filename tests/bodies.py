@@ -2,9 +2,9 @@
 
 import numpy as np
 from evodevo_sim.body import build_body
+from evodevo_sim.forces import Law, accelerations, make_scratch
 from evodevo_sim.gabriel import adjacency, gabriel_graph
 from evodevo_sim.integrators import carry, carry_adaptively, make_system, make_work
-from evodevo_sim.physics import Law, accelerations, make_scratch
 from evodevo_sim.stability import ADAPTIVE
 
 STEP = 1 / 60  # s, of control

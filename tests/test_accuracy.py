@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from bodies import STEP, body_of, go, rotation
 from evodevo_sim import Task, load_genome, perform
+from evodevo_sim.forces import Law, make_scratch
 from evodevo_sim.integrators import make_system
 from evodevo_sim.live import Animat
 from evodevo_sim.outcome import Status
 from evodevo_sim.parameters import with_settings
-from evodevo_sim.physics import Law, make_scratch, settle
+from evodevo_sim.physics import settle
 from evodevo_sim.stability import RK4
 from genomes import pulsing
 from scipy.optimize import brentq

@@ -6,8 +6,8 @@ from bodies import NO_LEDGER, STEP, body_of, random_body, slab, wave
 from evodevo_sim import Scene
 from evodevo_sim.contact import meet_tips
 from evodevo_sim.energy import stored_energy
+from evodevo_sim.forces import Law
 from evodevo_sim.integrators import euler, make_system, make_work
-from evodevo_sim.physics import Law
 from evodevo_sim.stability import bounds, longest_step
 from evodevo_sim.terrain import FLAT, clearance, make_terrain, touching
 from hypothesis import given, settings

@@ -6,8 +6,9 @@ from evodevo_ga import Settings
 from evodevo_ga.arguments import parse
 from evodevo_ga.feasible import check
 from evodevo_sim import ParameterError, Status, Task, evaluate, perform, random_genome, save_genome
+from evodevo_sim.forces import make_law
 from evodevo_sim.parameters import with_settings
-from evodevo_sim.physics import choose_substeps, make_law
+from evodevo_sim.rates import choose_substeps
 from genomes import first_viable
 
 STILL = ["--point-mutation", "0", "--crossover", "0", "--duplication", "0", "--deletion", "0", "--flip", "0"]

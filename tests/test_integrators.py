@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 from bodies import ALONE, LAW, NO_LEDGER, STEP, accelerations_of, body_of, chain, go, rotation, slab, wave
+from evodevo_sim.forces import Law
 from evodevo_sim.integrators import carry, make_system, make_work, set_muscles
-from evodevo_sim.physics import INVERTED, SOUND, UNSTABLE, Law, drag_rate
+from evodevo_sim.physics import INVERTED, SOUND, UNSTABLE
+from evodevo_sim.rates import drag_rate
 from evodevo_sim.stability import (
     ADAPTIVE, EULER, INTEGRATORS, RK4, VERLET, bounds, choose_steps, longest_step,
 )

@@ -6,12 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from evodevo_sim import Task, evaluate
+from evodevo_sim.forces import Law
 from evodevo_sim.integrators import carry_adaptively, make_system, make_work
 from evodevo_sim.life import MOST_SUBSTEPS
 from evodevo_sim.live import Animat, NotViable
 from evodevo_sim.outcome import STIFF, Status
 from evodevo_sim.parameters import with_settings
-from evodevo_sim.physics import UNSTABLE, Law
+from evodevo_sim.physics import UNSTABLE
 from evodevo_sim.stability import EULER, RK4, bounds
 from evodevo_sim.trajectory import follow
 from bodies import slab

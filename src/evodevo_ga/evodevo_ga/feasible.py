@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from evodevo_sim import Genome, ParameterError, Task
-from evodevo_sim.physics import ACCURATE_RK4, MOST_SUBSTEPS
+from evodevo_sim.rates import ACCURATE_RK4, MOST_SUBSTEPS
 
 from .settings import Settings
 
@@ -37,7 +37,7 @@ def _check_growth(task: Task) -> None:
 def _check_physics(task: Task) -> None:
     """Whether even the body that asks for the fewest physics steps asks for too many.
 
-    By the bounds of `physics.frequency_bound`: a cell of a chamber has two springs, whose directions make a matrix with an
+    By the bounds of `rates.frequency_bound`: a cell of a chamber has two springs, whose directions make a matrix with an
     eigenvalue of 1 or more; a convex chamber with up to n corners has one that gives 2 tan(pi / n) or, of a triangle, sqrt(3).
     """
     m = task.material

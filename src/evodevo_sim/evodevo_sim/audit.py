@@ -19,12 +19,13 @@ from ._jit import is_compiled
 from .body import build_body
 from .chemotaxis_audit import audit_seeker
 from .evaluation import Evaluation, Performance, perform
+from .forces import make_law
 from .gabriel import adjacency, gabriel_graph
 from .genome import Genome
 from .integrators import make_system, make_work
 from .life import OK
 from .parameters import ParameterError, Task
-from .physics import SOUND, make_law
+from .physics import SOUND
 from .stability import ADAPTIVE, RK4
 from .swim import Swim
 from .swim_task import score

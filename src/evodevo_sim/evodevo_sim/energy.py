@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ._jit import lean
-from .physics import Law, _polygon_area, accelerations
+from .forces import Law, accelerations, face_area
 
 LEDGER = ("muscle", "drag", "damping", "ground")
 
@@ -30,10 +30,10 @@ def stored_energy(body, law, rest, gravity, position, velocity):
         elastic += 0.5 * law.stiffness * (np.sqrt((x[j] - x[i]) ** 2 + (y[j] - y[i]) ** 2) - rest[e]) ** 2
     for t in range(body.triangle_area.size):
         area = body.triangle_area[t]
-        chamber += 0.5 * law.pressure * (area - _polygon_area(body.triangle[t], 0, 3, x, y)) ** 2 / area
+        chamber += 0.5 * law.pressure * (area - face_area(body.triangle[t], 0, 3, x, y)) ** 2 / area
     for p in range(body.polygon_area.size):
         area = body.polygon_area[p]
-        now = _polygon_area(corner, body.polygon_start[p], body.polygon_start[p + 1], x, y)
+        now = face_area(corner, body.polygon_start[p], body.polygon_start[p + 1], x, y)
         chamber += 0.5 * law.pressure * (area - now) ** 2 / area
     return kinetic, elastic, chamber, potential
 
@@ -44,11 +44,11 @@ def least_chamber(body, position):
     x, y, corner = position[0], position[1], body.polygon_cell
     least, where = np.inf, -1
     for t in range(body.triangle_area.size):
-        share = _polygon_area(body.triangle[t], 0, 3, x, y) / body.triangle_area[t]
+        share = face_area(body.triangle[t], 0, 3, x, y) / body.triangle_area[t]
         if share < least:
             least, where = share, t
     for p in range(body.polygon_area.size):
-        now = _polygon_area(corner, body.polygon_start[p], body.polygon_start[p + 1], x, y)
+        now = face_area(corner, body.polygon_start[p], body.polygon_start[p + 1], x, y)
         share = now / body.polygon_area[p]
         if share < least:
             least, where = share, body.triangle_area.size + p
@@ -73,7 +73,7 @@ def add_muscle_power(system, t, position, seconds, ledger):
 def add_power(system, t, position, velocity, seconds, scratch, ledger):
     """Add `seconds` times the present power of muscles, drag and damping to a ledger (4,).
 
-    Args: system: see `integrators.System`, its rest lengths those of time t; scratch: see `physics.Scratch`, whose k1 is used.
+    Args: system: see `integrators.System`, its rest lengths those of time t; scratch: see `forces.Scratch`, whose k1 is used.
     """
     body, law = system.body, system.law
     add_muscle_power(system, t, position, seconds, ledger)

@@ -18,18 +18,19 @@ import numpy as np
 from ._jit import lean
 from .contact import meet, meet_flat, meet_tips
 from .energy import add_muscle_power, add_power, resistances
-from .physics import SOUND, UNSTABLE, _copy, accelerations, make_scratch, set_rest_lengths
+from .forces import accelerations, make_scratch, set_rest_lengths
+from .physics import SOUND, UNSTABLE, copy_state
 from .stability import EULER, VERLET, is_sound
 from .terrain import FLAT, touches
 
 _SLOWEST = 1e-9  # of an interval: an adaptive step below this has failed
 _MOST_TRIES = 100_000  # of adaptive steps in an interval
 
-# What moves a body.  law: see `physics.Law`; gravity m/s^2, downward; friction: Coulomb's coefficient; ground: whether the
+# What moves a body.  law: see `forces.Law`; gravity m/s^2, downward; friction: Coulomb's coefficient; ground: whether the
 # terrain is solid; terrain: see `terrain.Terrain`; amplitude, frequency (Hz), phase (rad): (N,) of
 # e - c = amplitude sin(2 pi frequency t + phase), or empty: rest lengths are held.  Scratch or held: muscle (N,) of e - c, rest (E,) m.
 System = namedtuple("System", "body law gravity friction ground terrain amplitude frequency phase muscle rest")
-# scratch: see `physics.Scratch`; slope_p, slope_v (7, 2, N): slopes of both at up to seven stages; power (4,): the ledger of a
+# scratch: see `forces.Scratch`; slope_p, slope_v (7, 2, N): slopes of both at up to seven stages; power (4,): the ledger of a
 # step that may still be refused.
 Work = namedtuple("Work", "scratch slope_p slope_v power")
 
@@ -115,7 +116,7 @@ def euler(system, t, h, position, velocity, work, ledger):
         resistances(system, position, velocity, work.scratch, drag, damping)
     _accelerate(system, position, velocity, work.scratch, a)
     if tips:
-        _copy(position, velocity, before, speed)
+        copy_state(position, velocity, before, speed)
     for i in range(x.size):
         vx, vy = u[i] + h * a[0, i], v[i] + h * a[1, i]
         freely_x, freely_y = vx, vy
@@ -287,7 +288,7 @@ def carry_adaptively(system, t, seconds, tolerance, h, position, velocity, work,
             for k in range(ledger.size):
                 ledger[k] += work.power[k]
             # The last stage is the first of the next step.
-            _copy(work.slope_p[last], work.slope_v[last], work.slope_p[0], work.slope_v[0])
+            copy_state(work.slope_p[last], work.slope_v[last], work.slope_p[0], work.slope_v[0])
         factor = 5.0 if error == 0.0 else min(5.0, max(0.2, 0.9 * error**-0.2))
         if error > 1.0 or step == h or factor < 1.0:
             h = step * factor

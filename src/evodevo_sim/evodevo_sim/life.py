@@ -13,8 +13,10 @@ import numpy as np
 from ._jit import kernel, lean
 from .body import build_body
 from .development import diffuse, grow, remember
+from .forces import accelerations, make_law, make_scratch, set_rest_lengths
 from .lanes import aligned
-from .physics import MOST_SUBSTEPS, accelerations, choose_substeps, make_law, make_scratch, set_rest_lengths, settle
+from .physics import settle
+from .rates import MOST_SUBSTEPS, choose_substeps
 from .regulation import CONTRACTION, EXPANSION, exchange, express, make_share, prune, regulate
 
 OK, NO_GROWTH, NO_CHAMBER, RESTING, UNSTABLE_PHYSICS, INVERTED_CHAMBER = range(6)

@@ -16,9 +16,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .body_file import BodyError, OwnBody
+from .forces import Law
 from .integrators import System, make_system, make_work
 from .parameters import ParameterError, Scene, Task
-from .physics import INVERTED, SOUND, Law
+from .physics import INVERTED, SOUND
 from .stability import ADAPTIVE, EULER, INTEGRATORS, bounds, choose_steps, longest_step
 from .terrain import FLAT, clearance, make_terrain, profile
 from .trajectory import follow

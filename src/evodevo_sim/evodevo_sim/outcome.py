@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntEnum
 
-from .physics import MOST_SUBSTEPS
+from .rates import MOST_SUBSTEPS
 
 
 class Status(IntEnum):

@@ -7,8 +7,8 @@ from collections import namedtuple
 import numpy as np
 
 from ._jit import lean
+from .forces import set_rest_lengths
 from .genome import INPUTS, OUTPUTS
-from .physics import set_rest_lengths
 from .regulation import CONTRACTION, EXPANSION
 
 _SCENT = INPUTS - 1  # of the input signals: the last one, so that a scent of 0 changes no bit of the others' sum

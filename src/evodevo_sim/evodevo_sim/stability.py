@@ -10,7 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from ._jit import kernel, lean
-from .physics import STABLE_DRAG, UNSTABLE, check, damping_bound, drag_rate, frequency_bound
+from .physics import STABLE_DRAG, UNSTABLE, check
+from .rates import damping_bound, drag_rate, frequency_bound
 
 INTEGRATORS = ("euler", "verlet", "rk4", "adaptive")
 EULER, VERLET, RK4, ADAPTIVE = range(4)

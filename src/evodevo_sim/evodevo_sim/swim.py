@@ -15,7 +15,8 @@ from .development import REST
 from .life import (
     INVERTED_CHAMBER, OK, RESTING, UNSTABLE_PHYSICS, activity, birth, centre_of_mass, forget, keep, rests, think, widen,
 )
-from .physics import INVERTED, SOUND, advance, find_drag_rate, substeps_at_rate
+from .physics import INVERTED, SOUND, advance
+from .rates import find_drag_rate, substeps_at_rate
 from .regulation import unrest
 from .scent import disturb, sense
 

@@ -6,9 +6,11 @@ import numpy as np
 
 from ._jit import kernel, lean
 from .energy import least_chamber, stored_energy
+from .forces import set_rest_lengths
 from .integrators import carry, carry_adaptively
 from .life import centre_of_mass
-from .physics import SOUND, UNSTABLE, _copy, set_rest_lengths, substeps_in_drag
+from .physics import SOUND, UNSTABLE, copy_state
+from .rates import substeps_in_drag
 from .stability import ADAPTIVE, RK4, choose_steps, is_sound
 
 DOUBLINGS = 3  # of the steps of a frame that came out unsound
@@ -22,13 +24,13 @@ def carry_soundly(system, method, t, seconds, steps, doublings, position, veloci
     Returns: (SOUND or what was wrong with the finest try, steps of that try).
     """
     start_position, start_velocity = work.scratch.start_position, work.scratch.start_velocity
-    _copy(position, velocity, start_position, start_velocity)
+    copy_state(position, velocity, start_position, start_velocity)
     for k in range(ledger.size):
         work.power[k] = ledger[k]
     outcome = SOUND
     for doubling in range(doublings + 1):
         if doubling:
-            _copy(start_position, start_velocity, position, velocity)
+            copy_state(start_position, start_velocity, position, velocity)
             for k in range(ledger.size):
                 ledger[k] = work.power[k]
             steps *= 2

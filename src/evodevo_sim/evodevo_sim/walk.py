@@ -17,7 +17,7 @@ from .integrators import System, Work, euler
 from .life import (
     INVERTED_CHAMBER, OK, RESTING, UNSTABLE_PHYSICS, activity, birth, centre_of_mass, forget, keep, think, widen,
 )
-from .physics import INVERTED, MOST_DOUBLINGS, SOUND, _copy, check
+from .physics import INVERTED, MOST_DOUBLINGS, SOUND, copy_state, check
 from .regulation import unrest
 from .scent import Signals, disturb
 from .stability import EULER, bounds, longest_step
@@ -88,13 +88,13 @@ def move(walker, seconds):
     """Carry the body over one control step; where that is not sound, again with twice the steps, at most three times."""
     life, system, work, ledger = walker.life, walker.system, walker.work, walker.ledger
     position, velocity, scratch = life.position, life.velocity, life.scratch
-    _copy(position, velocity, scratch.start_position, scratch.start_velocity)
+    copy_state(position, velocity, scratch.start_position, scratch.start_velocity)
     for k in range(ledger.size):
         work.power[k] = ledger[k]
     outcome = SOUND
     for doubling in range(MOST_DOUBLINGS + 1):
         if doubling:
-            _copy(scratch.start_position, scratch.start_velocity, position, velocity)
+            copy_state(scratch.start_position, scratch.start_velocity, position, velocity)
             for k in range(ledger.size):
                 ledger[k] = work.power[k]
         steps = walker.steps << doubling
