@@ -25,8 +25,8 @@ examples:
       a long run; Ctrl-C ends it at any time and keeps all that was done
   ros2 run evodevo_ga evolve --preset high_drag
       in a thick fluid
-  ros2 run evodevo_ga evolve --scheme alps --generations 1000
-      a search that begins again for ever beside the best that it has
+  ros2 run evodevo_ga evolve --scheme niches --generations 1000
+      a search in which slender bodies, which start slowly and swim farthest, have a place of their own
   ros2 run evodevo_ga evolve --task walk --world rough
       a walker on uneven ground (docs/walking.md tells the worlds)
   ros2 run evodevo_ga evolve --set scene.drag_normal=10 --set scene.drag_tangential=0.05
@@ -77,7 +77,7 @@ def parse(arguments: list[str]) -> Options:
     group = parser.add_argument_group("genetic algorithm")
     group.add_argument(
         "--scheme", default=DEFAULT_SCHEME, metavar="NAME",
-        help=f"a named set of the numbers below, which go over it: {', '.join(SCHEMES)} (default %(default)s); paper: its baseline; alps: age layers",
+        help=f"a named set of the numbers below, which go over it: {', '.join(SCHEMES)} (default %(default)s); paper: its baseline; alps: age layers; niches: of body shapes",
     )
     for field in dataclasses.fields(Settings):
         group.add_argument(

@@ -8,6 +8,9 @@ With `Settings(layers=...)` the population is layered by age (ALPS, Hornby 2006)
 line, from the random genome on.  A layer is bred from itself and from the one below; who is too old for its layer moves up, where
 the best remain; random genomes fill the youngest layer every `age_gap` generations.  So what is new competes with its like until
 it has had its time, and the search begins again for ever beside the best that it has.
+
+With `Settings(niches=...)` it is parted by body shape instead, see `niches`.  A niche is bred from itself, a child belongs to
+where its own body does, and each niche keeps its best.
 """
 
 from __future__ import annotations
@@ -20,6 +23,7 @@ from typing import NamedTuple
 import numpy as np
 from evodevo_sim import Evaluation, Genome, ParameterError, Status, random_genome
 
+from .niches import niche_of
 from .operators import crossover, delete, duplicate, flip, mutate_points, mutate_scent, scatter_scent, tournament
 from .settings import Settings
 
@@ -116,24 +120,36 @@ class Evolution:
     def _known(self) -> dict[bytes, Evaluation]:
         return {one.genome.key(): one.evaluation for one in self.population}
 
+    def _group(self, one: Individual) -> int:
+        """Its layer or niche: who competes with whom."""
+        return one.layer if self.settings.layers > 1 else niche_of(one.evaluation.metrics, self.settings.niches)
+
     def _elite(self) -> list[Individual]:
-        s = self.settings
-        return [one for layer in range(s.layers) for one in [p for p in self.population if p.layer == layer][: s.elite]]
+        elite, seen = [], Counter()
+        for one in self.population:
+            group = self._group(one)
+            seen[group] += 1
+            if seen[group] <= self.settings.elite:
+                elite.append(one)
+        return elite
 
     def _settle(self, everyone: list[Individual]) -> list[Individual]:
-        """The best, as many as each layer holds, best first.  Who is too old for its layer moves up."""
-        s, kept = self.settings, []
-        room = [s.size] * s.layers
+        """The best, as many as each layer or niche holds, best first.  Who is too old for its layer moves up."""
+        s, kept, count = self.settings, [], Counter()
         # The sort is stable and children come first, so of equals the younger lives on: neutral drift.
         for one in sorted(everyone, key=lambda one: -one.evaluation.fitness):
             layer = max(one.layer, s.layer_of(self.generation - one.born))
-            if room[layer]:
-                room[layer] -= 1
-                kept.append(one if layer == one.layer else replace(one, layer=layer))
+            one = one if layer == one.layer else replace(one, layer=layer)
+            group = self._group(one)
+            count[group] += 1
+            if count[group] <= s.size:
+                kept.append(one)
         return kept
 
     def _breed(self, rng: np.random.Generator) -> list[_Child]:
         s, now, children = self.settings, self.generation + 1, []
+        if s.niches > 1:
+            return self._breed_niches(rng)
         for layer in range(s.layers):
             if layer == 0 and s.layers > 1 and now % s.age_gap == 0:
                 children += [_Child(genome, now, 0) for genome in self._scattered(self._random(s.size, rng), rng)]
@@ -143,6 +159,14 @@ class Evolution:
             fitness = np.array([one.evaluation.fitness for one in parents])
             children += [self._child(parents, fitness, layer, rng) for _ in range(s.size - s.elite)]
         return children
+
+    def _breed_niches(self, rng: np.random.Generator) -> list[_Child]:
+        """Children of parents of one niche each, which is drawn evenly from those that are settled."""
+        s, niches = self.settings, {}
+        for one in self.population:
+            niches.setdefault(self._group(one), []).append(one)
+        settled = [(parents, np.array([one.evaluation.fitness for one in parents])) for parents in niches.values()]
+        return [self._child(*settled[rng.integers(len(settled))], 0, rng) for _ in range(s.population - s.elite)]
 
     def _child(self, parents: list[Individual], fitness: np.ndarray, layer: int, rng: np.random.Generator) -> _Child:
         s = self.settings
@@ -154,13 +178,13 @@ class Evolution:
         return _Child(self._mutant(genome, rng), born, layer)
 
     def _first(self, rng: np.random.Generator) -> list[_Child]:
-        """The first population: what is given and its mutants in the oldest layers, random genomes in the others."""
+        """The first generation: what is given and its mutants in the oldest layers, random genomes in the others."""
         s, given = self.settings, list(self.start[: self.settings.population])
         count = round(s.start_share * s.population) if given else 0
         others = [self._mutant(given[k % len(given)], rng) for k in range(len(given), count)]
-        others += self._random(s.population - len(given) - len(others), rng)
+        others += self._random(max(s.population, s.founders) - len(given) - len(others), rng)
         genomes = given + self._scattered(others, rng)
-        return [_Child(genome, 0, s.layers - 1 - k // s.size) for k, genome in enumerate(genomes)]
+        return [_Child(genome, 0, max(0, s.layers - 1 - k // s.size)) for k, genome in enumerate(genomes)]
 
     def _random(self, count: int, rng: np.random.Generator) -> list[Genome]:
         return [random_genome(rng, self.settings.units, self.settings.extent) for _ in range(count)]
@@ -175,7 +199,8 @@ class Evolution:
             genome = duplicate(genome, rng, s.run_length)
         if rng.random() < s.deletion:
             genome = delete(genome, rng, s.run_length)
-        genome = flip(mutate_points(genome, rng, s.point_mutation, s.point_scale), rng, s.flip)
+        scale = s.point_scale * 10.0 ** (-s.point_decades * rng.random()) if s.point_decades else s.point_scale
+        genome = flip(mutate_points(genome, rng, s.point_mutation, scale), rng, s.flip)
         if s.scent_mutation and rng.random() < s.scent_mutation:
             genome = mutate_scent(genome, rng, s.point_scale, s.scent_extent)
         return genome

@@ -15,13 +15,16 @@ class Settings(Checked):
     population: int = parameter(100, 2, 1_000_000, "", "individuals")
     generations: int = parameter(50, 1, 1_000_000_000, "", "to run at the most")
     patience: int = parameter(500, 1, 1_000_000_000, "", "generations without improvement that end a run")
-    elite: int = parameter(2, 1, 1_000_000, "", "best individuals, of each layer, that live on unchanged")
+    elite: int = parameter(2, 1, 1_000_000, "", "best individuals, of each layer or niche, that live on unchanged")
     tournament: int = parameter(4, 1, 1_000_000, "", "individuals drawn to choose a parent")
     layers: int = parameter(1, 1, 1000, "", "of ages (ALPS), equal parts of the population; 1: none, every individual competes with every other")
     age_gap: int = parameter(20, 1, 1_000_000_000, "", "generations after which random genomes fill the youngest layer again")
+    niches: int = parameter(1, 1, 1000, "", "of body shapes, equal parts of the population that do not compete; 1: none")
+    founders: int = parameter(0, 0, 1_000_000, "", "genomes in the first generation, of which the best stay; 0: as many as the population")
     crossover: float = parameter(0.2, 0.0, 1.0, "", "share of the children that have two parents")
     point_mutation: float = parameter(0.03, 0.0, 1.0, "", "probability that an element's point moves")
     point_scale: float = parameter(1.0, 0.0, 1e3, "", "standard deviation of the length of that move")
+    point_decades: float = parameter(0.0, 0.0, 10.0, "", "powers of ten below point_scale down to which each child draws a scale of its own")
     duplication: float = parameter(0.05, 0.0, 1.0, "", "probability per child")
     deletion: float = parameter(0.05, 0.0, 1.0, "", "probability per child")
     run_length: float = parameter(2.6, 1.0, 1e3, "", "mean elements in a duplicated or deleted run")
@@ -34,9 +37,13 @@ class Settings(Checked):
 
     def __post_init__(self):
         super().__post_init__()
-        if self.population % self.layers:
-            raise ParameterError(f"settings.layers is {self.layers}: give a number that divides the population of {self.population}")
-        group = f"the {self.size} individuals of a layer" if self.layers > 1 else f"the population of {self.population}"
+        for name in ("layers", "niches"):
+            if self.population % getattr(self, name):
+                raise ParameterError(f"settings.{name} is {getattr(self, name)}: give a number that divides the population of {self.population}")
+        if self.layers > 1 and self.niches > 1:
+            raise ParameterError(f"settings.niches is {self.niches} and settings.layers {self.layers}: give 1 for one of them")
+        what = "a layer" if self.layers > 1 else "a niche"
+        group = f"the {self.size} individuals of {what}" if self.size < self.population else f"the population of {self.population}"
         if self.elite >= self.size:
             raise ParameterError(f"settings.elite is {self.elite}: give less than {group}")
         if self.tournament > self.size:
@@ -44,8 +51,8 @@ class Settings(Checked):
 
     @property
     def size(self) -> int:
-        """Individuals of a layer."""
-        return self.population // self.layers
+        """Individuals of a layer or niche."""
+        return self.population // max(self.layers, self.niches)
 
     def layer_of(self, age: int) -> int:
         """The lowest layer that is open to an age in generations: those below 1, 2, 4, 9, 16, ... gaps; the last has no limit."""
@@ -60,6 +67,7 @@ SCHEMES: dict[str, dict[str, float]] = {
     "panmictic": {},
     "paper": {"tournament": 2, "point_mutation": 0.1, "point_scale": 3.0, "flip": 0.0},
     "alps": {"layers": 5},
+    "niches": {"niches": 5, "founders": 1000, "point_decades": 1.0, "tournament": 2},
 }
 DEFAULT_SCHEME = "panmictic"
 
