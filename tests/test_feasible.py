@@ -17,7 +17,7 @@ STILL = ["--point-mutation", "0", "--crossover", "0", "--duplication", "0", "--d
 @pytest.mark.parametrize(
     "arguments, says",
     [
-        ("--scheme newton", "scheme 'newton' is unknown: choose one of panmictic, paper, alps"),
+        ("--scheme newton", "scheme 'newton' is unknown: choose one of panmictic, paper, alps, niches"),
         ("--units 0", "settings.units is 0: give 1 or more, or genomes by --start"),
         ("--cells 2", "development.max_cells is 2: give 3 or more"),
         ("--set development.steps=1", "development.division_threshold is 0.5: give less than 0.3, which no cell can pass in 1 steps"),
@@ -32,6 +32,9 @@ STILL = ["--point-mutation", "0", "--crossover", "0", "--duplication", "0", "--d
         ("--scheme alps --population 14", "settings.layers is 5: give a number that divides the population of 14"),
         ("--scheme alps --elite 20", "settings.elite is 20: give less than the 20 individuals of a layer"),
         ("--scheme alps --tournament 21", "settings.tournament is 21: give no more than the 20 individuals of a layer"),
+        ("--scheme niches --population 14", "settings.niches is 5: give a number that divides the population of 14"),
+        ("--scheme niches --elite 20", "settings.elite is 20: give less than the 20 individuals of a niche"),
+        ("--scheme niches --layers 5", "settings.niches is 5 and settings.layers 5: give 1 for one of them"),
         ("--tournament 101", "settings.tournament is 101: give no more than the population of 100"),
         (" ".join(STILL), "settings.point_mutation is 0, and so is every other operator"),
         (" ".join(["--scent-mutation", "1", *STILL]), "and so is every other operator"),  # a swimmer smells nothing
@@ -47,7 +50,7 @@ def test_what_cannot_work_gets_one_line_and_exit_code_2(capsys, arguments, says)
 def test_what_can_work_is_not_refused(tmp_path):
     save_genome(tmp_path / "one.yaml", random_genome(np.random.default_rng(1)))
     for arguments in (
-        [], ["--cells", "3"], ["--scheme", "alps"], ["--scheme", "paper"], ["--units", "0", "--start", str(tmp_path / "one.yaml")],
+        [], ["--cells", "3"], ["--scheme", "alps"], ["--scheme", "niches"], ["--scheme", "paper"], ["--units", "0", "--start", str(tmp_path / "one.yaml")],
         ["--set", "control_step=1"], ["--set", "material.stiffness=1e9"], ["--set", "development.steps=2"], [*STILL, "--flip", "0.1"],
         ["--task", "walk"], ["--task", "chemotaxis", "--scent-mutation", "1", *STILL],
     ):
