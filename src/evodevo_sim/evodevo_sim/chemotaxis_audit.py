@@ -5,26 +5,25 @@ In finer steps cells smell where those steps have brought them; with the muscles
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from .chemotaxis import SAMPLES, STRAIGHT
 from .chemotaxis_task import attempt, nearness, placements, score
+from .evaluation import Performance
 from .genome import Genome
-from .outcome import Evaluation
 from .parameters import Task
 from .physics import SOUND
+from .repetition import Run, Way, repeat_motion
 
 
-def audit_seeker(genome: Genome, task: Task, seed: int, rows, repeat_motion, make_run, evaluation: Evaluation) -> list:
-    """The runs of an audit.
-
-    Args: rows: (name, method, finer, tolerance, whether with a ledger, whether the whole life is repeated) of each; repeat_motion,
-        make_run: see `audit`; evaluation: as evolved.
-    """
+def audit_seeker(genome: Genome, task: Task, seed: int, first: Performance, ways: Sequence[Way]) -> list[Run]:
+    """The runs of an audit.  Args: first: the life as evolved."""
     result = attempt(genome, task, seed, placements(task), every=False)
     swims = [STRAIGHT, *range(result.swims)]
     kept = [_kept(genome, task, seed, shown) for shown in swims]
-    return [_run(genome, task, seed, result, kept, row, repeat_motion, make_run, evaluation) for row in rows]
+    return [_run(genome, task, seed, first, result, kept, way) for way in ways]
 
 
 def _kept(genome, task, seed, shown):
@@ -35,12 +34,13 @@ def _kept(genome, task, seed, shown):
     return track[:, : result.cells], traces[:, : result.cells].copy()
 
 
-def _run(genome, task, seed, result, kept, row, repeat_motion, make_run, before: Evaluation):
-    name, method, finer, tolerance, with_ledger, anew = row
-    how = method, finer, tolerance, with_ledger, task.windows * SAMPLES
-    motions = [repeat_motion(track[0, :, :2], activation, *how) for track, activation in kept]
-    if anew:
-        found = attempt(genome, task, seed, placements(task), finer=finer, every=False)
+def _run(genome, task, seed, first, result, kept, way):
+    before, points = first.evaluation, task.windows * SAMPLES
+    motions = [
+        repeat_motion(first.body, task, before.metrics.substeps, track[0, :, :2], activation, way, points) for track, activation in kept
+    ]
+    if way.anew:
+        found = attempt(genome, task, seed, placements(task), finer=way.finer, every=False)
     else:
         paths = result.paths.copy()
         paths[: result.swims] = [motion.path for motion in motions[1:]]
@@ -49,7 +49,7 @@ def _run(genome, task, seed, result, kept, row, repeat_motion, make_run, before:
     ledger = tuple(np.sum([motion.ledger for motion in motions], axis=0).tolist())
     cause = evaluation.cause or ("" if all(m.outcome == SOUND for m in motions) else "the repeated motion is not sound")
     change = (evaluation.fitness - before.fitness) / max(abs(before.fitness), 1e-12)
-    return make_run(
-        name, evaluation.fitness, change, task.windows * evaluation.metrics.slowest_window, ledger,
+    return Run(
+        way.name, evaluation.fitness, change, task.windows * evaluation.metrics.slowest_window, ledger,
         max(motion.gap for motion in motions), min(motion.chamber for motion in motions), cause, nearness(found, task),
     )

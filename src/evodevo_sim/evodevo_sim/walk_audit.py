@@ -12,6 +12,7 @@ from .energy import least_chamber
 from .genome import Genome
 from .outcome import FAILURE, Evaluation, Status
 from .parameters import Task
+from .repetition import Run
 from .walk import walk
 from .walk_task import headings, kernel_arguments, noise, progress, score, start_fitness
 
@@ -42,23 +43,23 @@ def trial(genome: Genome, task: Task, directions, finer: int = 1, seed: int = 0)
 
 
 def audit_walk(
-    genome: Genome, task: Task, seed: int, most_change: float | None, quick: bool, body, make_run
+    genome: Genome, task: Task, seed: int, most_change: float | None, quick: bool, body
 ) -> tuple[Evaluation, list, list, str]:
     """(evaluation as evolved, runs, faults, how far it walks from other starts).
 
-    Args: quick: less fine; body: of the genome; make_run: see `audit.Run`.
+    Args: quick: less fine; body: of the genome.
     """
     most_change, finer = MOST_CHANGE if most_change is None else most_change, QUICK_FINER if quick else FINER
     result, _, *first = trial(genome, task, headings(seed, task.starts), seed=seed)
     evaluation = score(result, task)
-    runs = [_run("as evolved", evaluation.fitness, evaluation.fitness, result, *first, task, body, make_run)]
+    runs = [_run("as evolved", evaluation.fitness, evaluation.fitness, result, *first, task, body)]
     others = other_headings(seed)
     result, fitness, *rest = trial(genome, task, others, seed=seed)
     mean, median = float(fitness.mean()), _median(fitness)
     far, own = _median(progress(result.path, task)[0]), evaluation.metrics.distance
-    runs.append(_run(f"{STARTS} other starts", mean, evaluation.fitness, result, *rest, task, body, make_run))
+    runs.append(_run(f"{STARTS} other starts", mean, evaluation.fitness, result, *rest, task, body))
     result, fine, *rest = trial(genome, task, others, finer, seed)
-    runs.append(_run(f"those {finer} x finer", float(fine.mean()), mean, result, *rest, task, body, make_run))
+    runs.append(_run(f"those {finer} x finer", float(fine.mean()), mean, result, *rest, task, body))
     faults = list(_faults(runs, evaluation.fitness, median, most_change))
     if not far >= LEAST_SHARE * own:
         faults.append(f"{STARTS} other starts: it walks {far:.4g} m in their median, less than {LEAST_SHARE:g} of {own:.4g} m: it is the start's luck")
@@ -71,7 +72,7 @@ def _median(values) -> float:
     return float(np.quantile(values, 0.5, method="lower"))
 
 
-def _run(name, fitness, before, result, ledger, positions, task, body, make_run):
+def _run(name, fitness, before, result, ledger, positions, task, body):
     """A row of the audit; its energies are means over the starts."""
     gap = np.abs(result.gain - ledger.sum(1)) / np.maximum(np.abs(ledger[:, 1:]).sum(1), 1e-12)
     chamber = min((least_chamber(body, np.ascontiguousarray(p.T))[0] for p in positions if np.isfinite(p).all()), default=np.nan)
@@ -79,7 +80,7 @@ def _run(name, fitness, before, result, ledger, positions, task, body, make_run)
     cause = "" if not failed else f"{len(failed)} of {len(result.status)} starts: {FAILURE[failed[0]][1]}"
     change = (fitness - before) / max(abs(before), 1e-12)
     sustained = float(task.windows * np.maximum(progress(result.path, task)[2], 0.0).mean())
-    return make_run(name, fitness, change, sustained, tuple(ledger.mean(0).tolist()), float(gap.max()), float(chamber), cause)
+    return Run(name, fitness, change, sustained, tuple(ledger.mean(0).tolist()), float(gap.max()), float(chamber), cause)
 
 
 def _faults(runs, fitness, median, most_change):
