@@ -176,3 +176,22 @@ def test_search_refuses_settings_in_one_line(monkeypatch, capsys, text, says):
         search.main()
     said = capsys.readouterr().err
     assert left.value.code == 2 and says in said and said.count("\n") == 1
+
+
+def test_shares_of_mutants_add_up_and_what_does_not_move_is_refused(tmp_path, monkeypatch, capsys):
+    import mutants
+    from common import CHAMPION
+    from evodevo_sim import save_genome
+    from genomes import dividing
+
+    found = dict(zip(mutants.SHARES, mutants.shares(np.array([2.1, 2.005, 2.0, 1.5, 0.5, 0.0, -1.0]), 2.0)))
+    assert [round(7 * share) for share in found.values()] == [2, 1, 1, 1, 1, 2]
+    small = ["--children", "3", "--rates", "0", "--scales", "1", "--workers", "1", "--set", "control_steps=80"]
+    monkeypatch.setattr("sys.argv", ["mutants.py", str(CHAMPION), *small])
+    mutants.main()
+    assert "1 champions, 3 children each" in " ".join(capsys.readouterr().out.split())
+    save_genome(tmp_path / "still.yaml", dividing())
+    monkeypatch.setattr("sys.argv", ["mutants.py", str(tmp_path / "still.yaml"), *small])
+    with pytest.raises(SystemExit) as left:
+        mutants.main()
+    assert left.value.code == 2 and "give champions that move" in capsys.readouterr().err
