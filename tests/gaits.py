@@ -2,7 +2,7 @@
 
 import numpy as np
 from bodies import body_of
-from evodevo_sim.gait import Track, flat
+from evodevo_sim.gait import Ground, Track
 from evodevo_sim.gait.sources import parts_of_body
 
 SECONDS, FREQUENCY = 12.0, 1.3
@@ -86,7 +86,7 @@ def hopping(speed=0.8, height=0.5):
     squat = np.where(phase > 0.35, np.sin(np.pi * (phase - 0.35) / 0.65), 0.0)
     muscle = -0.7 * squat[:, None] + 0.0 * x
     way = speed * TIME
-    return track(rest, x + way[:, None], y * (1 - 0.15 * squat[:, None]) + lift[:, None], muscle, flat)
+    return track(rest, x + way[:, None], y * (1 - 0.15 * squat[:, None]) + lift[:, None], muscle, Ground())
 
 
 def running(speed=0.8):
@@ -95,7 +95,7 @@ def running(speed=0.8):
     x, y = rest.T
     swing = np.sin(TURN)
     lift = sum(0.3 * np.maximum(0.0, sign * swing) * leg for sign, leg in zip((1, -1), legs))
-    return track(rest, x + speed * TIME[:, None], y + lift, 0.6 * np.cos(TURN - 0.5 * x), flat)
+    return track(rest, x + speed * TIME[:, None], y + lift, 0.6 * np.cos(TURN - 0.5 * x), Ground())
 
 
 def shifting(speed=0.2):
@@ -103,7 +103,7 @@ def shifting(speed=0.2):
     rest, _ = two_legged()
     x, y = rest.T
     swing = 0.15 * y / y.max() * np.sin(TURN)
-    return track(rest, x + speed * TIME[:, None] + swing * 3, y + 0.0 * swing, 0.5 * (y > 1) * np.cos(TURN + 0.2 * x), flat)
+    return track(rest, x + speed * TIME[:, None] + swing * 3, y + 0.0 * swing, 0.5 * (y > 1) * np.cos(TURN + 0.2 * x), Ground())
 
 
 def two_legged():

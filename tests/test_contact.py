@@ -9,7 +9,7 @@ from evodevo_sim.energy import stored_energy
 from evodevo_sim.forces import Law
 from evodevo_sim.integrators import euler, make_system, make_work
 from evodevo_sim.stability import bounds, longest_step
-from evodevo_sim.terrain import FLAT, clearance, make_terrain, touching
+from evodevo_sim.terrain import FLAT, clearance, contacts, make_terrain, touching
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -162,6 +162,16 @@ def test_contacts_are_told_from_positions():
     points = np.array([(1.0, 0.5), (1.0, 0.6), (1.0, 5.0), (-3.0, 0.0), (9.0, 1.0)])
     assert touching(scene, points).tolist() == [True, False, True, True, True]
     assert touching(Scene(), points).tolist() == [False, False, False, True, False]
+
+
+def test_contacts_of_edges_are_told_from_positions():
+    """A bar on a spike of the ground, then under one of the ceiling, then between them; a third cell touches nothing."""
+    spiky = Scene(ground_x=(-0.5, 0.0, 0.5), ground_y=(0.0, 1.0, 0.0), ceiling_x=(-0.5, 0.2, 0.5), ceiling_y=(9.0, 6.0, 9.0))
+    bar = np.array([(-1.0, 0.5), (1.0, 1.5), (0.0, 3.0)])
+    position = np.array([bar, bar + (0.0, 4.9), bar + (0.0, 2.0)])
+    outline = np.array([(0, 1), (1, 2), (2, 0)])
+    assert contacts(spiky, outline[:1], position).tolist() == [[True, True, False], [True, True, False], [False, False, False]]
+    assert not contacts(Scene(), outline, position).any() and not touching(spiky, position).any()
 
 
 def test_level_ground_as_a_profile_is_level_ground():

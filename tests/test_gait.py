@@ -9,7 +9,7 @@ import pytest
 from bodies import body_of, rotation
 from evodevo_sim import Task, make_own_body, perform, random_genome, simulate_body
 from evodevo_sim.audit import audit
-from evodevo_sim.gait import GaitError, Rules, Track, World, analyse, flat, track_of_motion, track_of_performance
+from evodevo_sim.gait import GaitError, Ground, Rules, Track, World, analyse, track_of_motion, track_of_performance
 from evodevo_sim.gait.form import limbs
 from evodevo_sim.gait.rhythm import common_rhythm
 from evodevo_sim.gait.sources import parts_of_body
@@ -176,8 +176,21 @@ def test_contact_follows_the_ground():
     level = made(gaits.running)
     slope = level.position + 0.0
     slope[..., 1] += 0.2 * slope[..., 0]
-    tilted = dataclasses.replace(level, position=slope, ground=lambda x: 0.2 * x)
+    tilted = dataclasses.replace(level, position=slope, ground=Ground((-1e3, 1e3), (-200.0, 200.0)))
     assert np.array_equal(analyse(tilted).contact.touching, analyse(level).contact.touching)
+
+
+def test_an_edge_on_a_tip_is_no_flight():
+    """A body of three cells stands on a spike by an edge, its cells in the air, then hops off it."""
+    lift = np.where(gaits.TIME % 1.0 < 0.5, 0.0, 0.3)
+    position = np.array([(-1.0, 1.0), (1.0, 1.0), (0.0, 2.0)]) + np.stack((0.0 * lift, lift), axis=-1)[:, None]
+    spike = Ground((-0.5, 0.0, 0.5), (0.0, 1.0, 0.0))
+    muscle = np.cos(2 * np.pi * gaits.TIME)[:, None] * np.ones(3)
+    track = Track(gaits.TIME, position, muscle, outline=np.array([(0, 1), (1, 2), (2, 0)]), ground=spike)
+    found = spike.touching(track.outline, track.position, 1e-3)
+    assert np.array_equal(found, (lift == 0.0)[:, None] & [True, True, False])
+    assert Ground().touching(track.outline, track.position, 1e-3).sum() == 0
+    assert analyse(track).gait.flight == pytest.approx(0.5, abs=0.01)
 
 
 def test_work_is_that_of_the_ledger():
@@ -245,4 +258,3 @@ def test_uneven_frames_are_no_trouble():
     uneven = dataclasses.replace(whole, time=whole.time[kept], position=whole.position[kept], activation=whole.activation[kept])
     gait = analyse(uneven).gait
     assert gait.name == "undulation" and gait.frequency == pytest.approx(gaits.FREQUENCY, rel=1e-2)
-    assert flat(np.ones(3)).tolist() == [0.0, 0.0, 0.0]

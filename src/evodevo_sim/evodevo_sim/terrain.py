@@ -7,6 +7,7 @@ y = 0; none of ceiling: open sky.
 from __future__ import annotations
 
 from collections import namedtuple
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -83,13 +84,61 @@ def profile(xs, ys, x):
     return np.interp(x, xs, ys) if len(xs) else np.zeros(np.shape(x))
 
 
+@dataclass(frozen=True)
+class Ground:
+    """The ground under a motion, by its points; none: flat.  Called with x of any shape it gives the height there, m."""
+
+    x: tuple[float, ...] = ()
+    y: tuple[float, ...] = ()
+
+    def __call__(self, x) -> np.ndarray:
+        return profile(self.x, self.y, x)
+
+    def touching(self, outline, position, tolerance: float) -> np.ndarray:
+        """Whether cells touch, themselves or by an edge that lies on a tip.
+
+        Args: outline (M, 2): edges; position (T, N, 2) m; tolerance: m above the ground, that still touch.  Returns: (T, N) bool.
+        """
+        touch = position[..., 1] - self(position[..., 0]) <= tolerance
+        return touch | (_on_tips(*_tips(*_padded(self.x, self.y)), outline, position, tolerance) if len(self.x) else False)
+
+
+def _on_tips(tip_x, tip_y, outline, position, tolerance):
+    """(T, N): whether a cell is an end of an outline edge that lies on a tip."""
+    x, y = position[..., 0], position[..., 1]
+    on = np.zeros(x.shape, bool)
+    for i, j in outline:
+        low, high = np.minimum(x[:, i], x[:, j]), np.maximum(x[:, i], x[:, j])
+        for k in range(*np.searchsorted(tip_x, (low.min(), high.max()))):
+            over = np.flatnonzero((low < tip_x[k]) & (tip_x[k] < high))
+            share = (tip_x[k] - x[over, i]) / (x[over, j] - x[over, i])
+            rests = over[y[over, i] + share * (y[over, j] - y[over, i]) - tip_y[k] <= tolerance]
+            on[rests, i] = on[rests, j] = True
+    return on
+
+
 def touching(scene, position) -> np.ndarray:
-    """Whether cells at position (..., 2) touch ground or ceiling: (...) bool."""
+    """Whether cells at position (..., 2) are themselves at ground or ceiling: (...) bool."""
     x, y = position[..., 0], position[..., 1]
     close = _CLOSE * (1.0 + np.abs(y))
     touch = np.abs(y - profile(scene.ground_x, scene.ground_y, x)) <= close
     if len(scene.ceiling_x):
         touch |= np.abs(y - profile(scene.ceiling_x, scene.ceiling_y, x)) <= close
+    return touch
+
+
+def contacts(scene, outline, position) -> np.ndarray:
+    """Whether cells touch ground or ceiling, themselves or by an edge that lies on a tip: (T, N) bool.
+
+    Args: outline (M, 2): edges; position (T, N, 2) m.
+    """
+    down = position * (1.0, -1.0)
+    below = Ground(tuple(scene.ground_x), tuple(scene.ground_y))
+    above = Ground(tuple(scene.ceiling_x), tuple(-y for y in scene.ceiling_y))
+    touch = touching(scene, position)
+    for side, ways in ((below, position), (above, down)):
+        if side.x:
+            touch |= _on_tips(*_tips(*_padded(side.x, side.y)), outline, ways, _CLOSE * (1.0 + np.abs(side.y).max()))
     return touch
 
 

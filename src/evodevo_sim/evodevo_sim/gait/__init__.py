@@ -5,12 +5,13 @@
     print(analysis.gait.name, analysis.gait.frequency)
 """
 
+from ..terrain import Ground
 from .analysis import Analysis, Gait, analyse
 from .rules import SWIMMING, WALKING, Rules
-from .sources import flat, track_of_motion, track_of_performance
+from .sources import track_of_motion, track_of_performance
 from .track import GaitError, Track, World
 
 __all__ = [
-    "SWIMMING", "WALKING", "Analysis", "Gait", "GaitError", "Rules", "Track", "World", "analyse", "flat", "track_of_motion",
+    "SWIMMING", "WALKING", "Analysis", "Gait", "GaitError", "Ground", "Rules", "Track", "World", "analyse", "track_of_motion",
     "track_of_performance",
 ]

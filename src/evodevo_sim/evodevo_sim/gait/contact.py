@@ -15,7 +15,7 @@ class Contact:
     """Of a walker over some time.
 
     Attributes:
-        touching (T, N): whether a cell is at the ground.
+        touching (T, N): whether a cell is at the ground, itself or by an edge that lies on a tip.
         duty (N,): the share of the time for which it is.
         feet: arrays of cells, groups that touch the ground and lie apart along it, from the rear to the front in the direction
             of travel; foot_duty (F,): shares of the time for which any cell of a foot touches.
@@ -43,8 +43,8 @@ def contact_of(track: Track, frequency: float, tolerance: float, least_duty: flo
     Args: frequency: Hz, common, or NaN; tolerance: m above the ground that still touch; least_duty: share of the time for which a
         cell of a foot touches; gap: m along the ground between two feet.
     """
-    x, y = np.moveaxis(track.position, -1, 0)
-    touching = y - track.ground(x) <= tolerance
+    x = track.position[..., 0]
+    touching = track.ground.touching(track.outline, track.position, tolerance)
     centre = x.mean(axis=1)
     direction = 1.0 if centre[-1] >= centre[0] else -1.0
     duty = touching.mean(axis=0)

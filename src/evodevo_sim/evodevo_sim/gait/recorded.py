@@ -7,8 +7,9 @@ import numpy as np
 from ..messages import gait_from_message, task_from_message
 from ..recording import Recording
 from ..replay.life import Life
+from ..terrain import Ground
 from .analysis import Gait, analyse
-from .sources import flat, ground_of_task, world_of_task
+from .sources import ground_of_task, world_of_task
 from .track import GaitError, Track, World
 
 
@@ -22,7 +23,7 @@ def track_of_recording(recording: Recording, life: Life, walks: bool = False) ->
     return Track(
         life.time - life.time[0], life.position, life.activation, springs=life.springs, outline=life.outline,
         chambers=tuple(life.chambers), velocity=life.velocity, world=world_of_task(task) if task else World(),
-        ground=flat if walks else ground, **known,
+        ground=Ground() if walks else ground, **known,
     )
 
 

@@ -6,13 +6,8 @@ import numpy as np
 
 from ..evaluation import Performance
 from ..parameters import Task
-from ..terrain import profile
+from ..terrain import Ground
 from .track import GaitError, Track, World
-
-
-def flat(x) -> np.ndarray:
-    """Ground at y = 0."""
-    return np.zeros(np.shape(x))
 
 
 def world_of_task(task: Task) -> World:
@@ -21,12 +16,9 @@ def world_of_task(task: Task) -> World:
     return World(**{name: known[name] for name in World.__dataclass_fields__ if name in known})
 
 
-def ground_of_task(task: Task):
-    """The height of a walker's ground, as in `Track`; None for swimmers."""
-    if task.name != "walk":
-        return None
-    scene = task.scene
-    return (lambda x: profile(scene.ground_x, scene.ground_y, x)) if scene.ground_x else flat
+def ground_of_task(task: Task) -> Ground | None:
+    """A walker's ground; None for swimmers."""
+    return Ground(tuple(task.scene.ground_x), tuple(task.scene.ground_y)) if task.name == "walk" else None
 
 
 def parts_of_body(body) -> dict:
@@ -58,5 +50,5 @@ def track_of_motion(own, motion, ground=None) -> Track:
     )
     return Track(
         motion.time, motion.position, motion.activation, velocity=motion.velocity, world=world,
-        ground=ground or (flat if system.ground else None), held=False, **parts_of_body(own.body),
+        ground=ground or (Ground() if system.ground else None), held=False, **parts_of_body(own.body),
     )

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Callable
 
 import numpy as np
+
+from ..terrain import Ground
 
 LEAST_FRAMES = 16  # in the half that is analysed
 _UNEVEN = 0.01  # relative to a frame, above which frames count as unevenly spaced
@@ -38,7 +39,7 @@ class Track:
             cells, counter-clockwise; chamber_area: m^2 at rest, of each, or empty.
         velocity (T, N, 2) m/s, or None: then it follows from positions.
         held: whether muscles hold over a frame and change at its end, as those that a network drives do, or go on smoothly.
-        world: see `World`; ground: height in m at x (K,) -> (K,), or None: a swimmer.
+        world: see `World`; ground: of a walker, or None: a swimmer.
     """
 
     time: np.ndarray
@@ -51,7 +52,7 @@ class Track:
     chamber_area: np.ndarray = field(default_factory=lambda: np.empty(0))
     velocity: np.ndarray | None = None
     world: World = World()
-    ground: Callable | None = None
+    ground: Ground | None = None
     held: bool = True
 
     def __post_init__(self):

@@ -9,7 +9,7 @@ import numpy as np
 from ..messages import scene_from_message
 from ..parameters import ParameterError, Scene
 from ..recording import Recording, RecordingError
-from ..terrain import profile, touching
+from ..terrain import contacts, profile
 
 RINGS = 5  # drawn around a target, where its scent has fallen by another fifth
 
@@ -52,8 +52,10 @@ class Life:
 
     @property
     def contact(self) -> np.ndarray:
-        """(T, N): whether a cell touches the ground or the ceiling."""
-        return np.zeros(self.activation.shape, bool) if self.scene is None else touching(self.scene, self.position)
+        """(T, N): whether a cell touches the ground or the ceiling, itself or by an edge that lies on a tip."""
+        if self.scene is None:
+            return np.zeros(self.activation.shape, bool)
+        return contacts(self.scene, self.outline, self.position)
 
     def surfaces(self, low: float, high: float) -> list[np.ndarray]:
         """The lines (K, 2) of ground and ceiling from x = low to high, m."""
