@@ -9,7 +9,7 @@ import time
 import pytest
 from evodevo_ga import Evolution, Settings
 from evodevo_ga.arguments import parse
-from evodevo_ga.fleet import find_simulators
+from evodevo_ga.fleet import BATCH, batches, find_simulators
 from evodevo_ga.in_process import evaluate_all
 from evodevo_sim import Task, evaluate, load_genome
 from evodevo_sim.parameters import with_settings
@@ -87,6 +87,15 @@ def test_champions_that_fail_their_audit_are_marked_and_change_nothing_else(tmp_
     assert load_genome(tmp_path / "run/champion.yaml") == in_process[0].champion.genome
     assert "fails its audit" in headline(recording, life_of(recording))[1]
     assert "| audit | **failed:** as evolved" in markdown(recording, life_of(recording))
+
+
+@pytest.mark.parametrize("count, servers", [(0, 2), (1, 2), (7, 1), (100, 2), (1000, 8)])
+def test_requests_hold_every_genome_once_and_get_smaller_towards_the_end(count, servers):
+    parts = batches(count, servers)
+    assert [place for part in parts for place in part] == list(range(count))
+    sizes = [len(part) for part in parts]
+    assert sizes == sorted(sizes, reverse=True) and set(sizes) <= set(range(1, BATCH + 1))
+    assert sizes[-2 * servers :] == [1] * min(count, 2 * servers)
 
 
 def test_a_run_uses_the_simulators_on_the_graph_and_outlives_one(tmp_path, in_process):

@@ -14,7 +14,7 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from .times import MESSAGES, Times
 
 SERVICE_TYPE = "evodevo_msgs/srv/Evaluate"
-BATCH = 4  # genomes in a request: small, so that the last one to finish keeps nobody waiting
+BATCH = 4  # genomes in a request, at the most
 IN_FLIGHT = 2  # requests queued at a node, so that it never waits for us
 ANSWER_WITHIN = 120.0  # s for one request, and a hundred times what its steps take; a node that takes longer counts as lost
 _SLOW_STEP = 1e-3  # s
@@ -28,6 +28,16 @@ def find_simulators(node) -> list[str]:
     """The evaluate services on the graph.  Those in hidden namespaces (`/_...`) belong to other runs."""
     services = node.get_service_names_and_types()
     return sorted(name for name, types in services if SERVICE_TYPE in types and "/_" not in name)
+
+
+def batches(count: int, servers: int) -> list[list[int]]:
+    """Places 0 to count - 1 in requests that get smaller towards the end, so that the last to finish keeps nobody waiting."""
+    parts, first = [], 0
+    while first < count:
+        size = min(max((count - first) // (2 * IN_FLIGHT * servers), 1), BATCH)
+        parts.append(list(range(first, first + size)))
+        first += size
+    return parts
 
 
 @dataclass
@@ -74,7 +84,7 @@ class Fleet:
 
         A node that dies, hangs or refuses is dropped and its genomes go to the others.  Raises FleetError when none is left.
         """
-        waiting = deque(list(range(i, min(i + BATCH, len(genomes)))) for i in range(0, len(genomes), BATCH))
+        waiting = deque(batches(len(genomes), len(self._servers)))
         results: list[Evaluation | None] = [None] * len(genomes)
         with self._times(MESSAGES):
             message, messages = task_message(task), [genome_message(genome) for genome in genomes]
