@@ -3,6 +3,7 @@
 
     python benchmarks/search.py --seeds 3 --generations 50
     python benchmarks/search.py --seeds 10 --generations 200 --no-random --set scene.drag_normal=10 --set settings.tournament=3
+    python benchmarks/search.py --task walk --seeds 5 --generations 200 --no-random
     python benchmarks/search.py --scheme alps --generations 1000 --no-random --curves alps.csv    # then benchmarks/curves.py draws
 """
 
@@ -19,11 +20,11 @@ import numpy as np
 from evodevo_ga import SCHEMES, Evolution, Settings, scheme
 from evodevo_ga.feasible import check
 from evodevo_ga.settings import DEFAULT_SCHEME
-from evodevo_sim import Evaluation, ParameterError, Task, evaluate, perform, random_genome, save_genome
+from evodevo_sim import Evaluation, Genome, GenomeError, ParameterError, Task, evaluate, load_genome, perform, random_genome, save_genome
 from evodevo_sim.audit import audit
 from evodevo_sim.command_line import pairs
-from evodevo_sim.gait import analyse, track_of_performance
-from evodevo_sim.parameters import with_settings
+from evodevo_sim.gait import GaitError, analyse, track_of_performance
+from evodevo_sim.parameters import TASKS, default_task, with_settings
 from tqdm import tqdm
 
 CHUNK = 500  # random genomes drawn at a time
@@ -38,7 +39,9 @@ def arguments(parser: argparse.ArgumentParser) -> argparse.Namespace:
     parser.add_argument("--seeds", type=int, default=3, help="runs, of seeds FIRST, FIRST + 1, ... (default %(default)s)")
     parser.add_argument("--first", type=int, default=1, help="first seed (default %(default)s)")
     parser.add_argument("--generations", type=int, default=Settings().generations, help="of each run (default %(default)s)")
+    parser.add_argument("--task", default="swim", choices=TASKS, help="what to evolve for (default %(default)s)")
     parser.add_argument("--scheme", default=DEFAULT_SCHEME, choices=SCHEMES, help="of the search (default %(default)s); --set goes over it")
+    parser.add_argument("--start", nargs="+", default=[], metavar="FILE", help="genomes to begin from")
     parser.add_argument("--random-only", type=int, metavar="N", help="random search alone, with N evaluations of each seed")
     parser.add_argument("--workers", type=int, default=len(os.sched_getaffinity(0)), help="threads (default %(default)s)")
     parser.add_argument("--no-random", action="store_true", help="evolution only")
@@ -49,9 +52,9 @@ def arguments(parser: argparse.ArgumentParser) -> argparse.Namespace:
     return parser.parse_args()
 
 
-def evolve(task: Task, settings: Settings, name: str, seed: int, pool: ThreadPoolExecutor):
+def evolve(task: Task, settings: Settings, name: str, seed: int, pool: ThreadPoolExecutor, start=()):
     """Run evolution.  Returns: (champion, row of the table, rows of its curve)."""
-    evolution, last_gain, began = Evolution(settings, seed), 0, time.monotonic()
+    evolution, last_gain, began = Evolution(settings, seed, start), 0, time.monotonic()
     curve = []
     chambered = oscillating = 0
     with tqdm(total=settings.generations, desc=f"{name} {seed}", leave=False, mininterval=5.0) as bar:
@@ -70,9 +73,16 @@ def evolve(task: Task, settings: Settings, name: str, seed: int, pool: ThreadPoo
     champion = evolution.champion
     about = (last_gain, generation.diversity, chambered / n, oscillating / n, time.monotonic() - began)
     found = audit(champion.genome, task, seed, quick=True)
-    gait = analyse(track_of_performance(perform(champion.genome, task, seed), task)).gait.name if found.runs else "none"
+    gait = gait_name(champion.genome, task, seed) if found.runs else "none"
     about += ("stands" if found.stands else "; ".join(found.faults), gait)
     return champion, row(name, seed, n, champion.evaluation, *about), curve
+
+
+def gait_name(genome: Genome, task: Task, seed: int) -> str:
+    try:
+        return analyse(track_of_performance(perform(genome, task, seed), task)).gait.name
+    except GaitError:
+        return "none"
 
 
 def search_at_random(task: Task, settings: Settings, seed: int, budget: int, pool: ThreadPoolExecutor):
@@ -161,17 +171,18 @@ def main():
     options = arguments(parser)
     try:
         of_task, of_settings = split(options.set)
-        task = with_settings(Task(), of_task)
-        settings = Settings(**scheme(options.scheme) | {"generations": options.generations} | of_settings)
-        check(task, settings)
-    except ParameterError as error:
+        task = with_settings(default_task(options.task), of_task)
+        settings = Settings(**scheme(options.scheme, options.task) | {"generations": options.generations} | of_settings)
+        start = tuple(load_genome(name) for name in options.start)
+        check(task, settings, start)
+    except (ParameterError, GenomeError) as error:
         parser.exit(2, f"search.py: {error}\n")
     rows = []
     with ThreadPoolExecutor(options.workers) as pool:
         for seed in range(options.first, options.first + options.seeds):
             budget = options.random_only
             if budget is None:
-                champion, one, curve = evolve(task, settings, options.scheme, seed, pool)
+                champion, one, curve = evolve(task, settings, options.scheme, seed, pool, start)
                 rows.append(one)
                 budget = one["evaluations"]
                 append(options.curves, options.set, CURVE, curve)

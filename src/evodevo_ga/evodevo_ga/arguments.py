@@ -15,7 +15,7 @@ from evodevo_sim.worlds import PRESETS as WORLDS
 from evodevo_sim.worlds import with_world
 
 from .feasible import check
-from .settings import DEFAULT_SCHEME, SCHEMES, Settings, scheme
+from .settings import DEFAULT_SCHEME, OF_TASK, SCHEMES, Settings, scheme
 
 _EPILOG = """\
 examples:
@@ -44,8 +44,6 @@ The run's directory holds a rosbag2 recording in MCAP and champion.yaml. See it 
 """
 
 
-# What differs from the defaults of Settings, by task: docs/chemotaxis.md.
-_OF_TASK = {"chemotaxis": {"scent_extent": 6.0, "scent_mutation": 0.25, "point_mutation": 0.015, "point_scale": 0.7}}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -95,7 +93,7 @@ def parse(arguments: list[str]) -> Options:
         named = preset(given.preset) if given.preset else {}
         task = with_settings(task, {"development.max_cells": given.cells, **starts, **named, **pairs(given.set)})
         chosen = {field.name: getattr(given, field.name) for field in dataclasses.fields(Settings)}
-        settings = Settings(**_OF_TASK.get(task.name, {}) | scheme(given.scheme) | {n: value for n, value in chosen.items() if value is not None})
+        settings = Settings(**scheme(given.scheme, task.name) | {n: value for n, value in chosen.items() if value is not None})
         start = tuple(load_genome(_genome_file(Path(name))) for name in given.start)
         if len(start) > settings.population:
             raise ParameterError(f"--start gives {len(start)} genomes to a population of {settings.population}: give fewer")
@@ -113,7 +111,7 @@ def parse(arguments: list[str]) -> Options:
 
 
 def _defaults(field) -> str:
-    named = [f"{settings[field.name]} for {name}" for name, settings in (_OF_TASK | SCHEMES).items() if field.name in settings]
+    named = [f"{settings[field.name]} for {name}" for name, settings in (OF_TASK | SCHEMES).items() if field.name in settings]
     return ", ".join([str(field.default), *named])
 
 

@@ -70,10 +70,12 @@ SCHEMES: dict[str, dict[str, float]] = {
     "niches": {"niches": 5, "founders": 1000, "point_decades": 1.0, "tournament": 2},
 }
 DEFAULT_SCHEME = "panmictic"
+# The same by task, below what a scheme says: docs/chemotaxis.md.
+OF_TASK = {"chemotaxis": {"scent_extent": 6.0, "scent_mutation": 0.25, "point_mutation": 0.015, "point_scale": 0.7}}
 
 
-def scheme(name: str) -> dict[str, float]:
-    """What a scheme changes, for `Settings(**scheme(name))`.  Raises ParameterError where there is none of that name."""
+def scheme(name: str, task: str = "swim") -> dict[str, float]:
+    """What a scheme and a task change, for `Settings(**scheme(name, task))`.  Raises ParameterError where there is none of that name."""
     if name not in SCHEMES:
         raise ParameterError(f"scheme {name!r} is unknown: choose one of {', '.join(SCHEMES)}")
-    return SCHEMES[name]
+    return OF_TASK.get(task, {}) | SCHEMES[name]
