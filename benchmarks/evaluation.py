@@ -49,7 +49,7 @@ def measure(cells, genome, rounds):
     def forces(law):
         return lambda: many_accelerations(life.body, law, life.rest, life.position, life.velocity, life.scratch, out, CALLS)
 
-    network = life.network, life.table, life.drive, life.start, life.neighbour, life.share
+    network = life.network, life.table, life.drive, life.start, life.neighbour, life.spread
     born = life.table.copy()
 
     def regulation():  # a whole life from birth: what decays gets denormal after 1,500 steps, and slow

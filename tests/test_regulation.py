@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from evodevo_sim.genome import INPUTS, MORPHOGEN, OUTPUTS, TRANSCRIPTION_FACTOR
 from evodevo_sim.lanes import aligned
-from evodevo_sim.regulation import activation, affinity, assign_units, exchange, express, make_share, prune, regulate
+from evodevo_sim.regulation import activation, affinity, assign_units, exchange, express, make_spread, prune, regulate
 from genomes import hand_made, random_genomes, unit
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -91,7 +91,7 @@ def test_pruning_changes_no_read_output_by_one_bit(genome, seed):
         network = prune(weights, units, mask, ALL_INPUTS)
         table = table_of(units, 3, np.random.default_rng(seed))
         for _ in range(30):
-            exchange(network, table, np.array([0, 1, 3, 4]), np.array([1, 0, 2, 1]), 3, make_share(network, 3))
+            exchange(network, table, np.array([0, 1, 3, 4]), np.array([1, 0, 2, 1]), 3, make_spread(network, 3))
             regulate(network, table, aligned(network.nodes.size, 3), 3, 0.1)
         outputs.append(table[units + 2 : units + 4, :3])
     assert np.array_equal(*outputs)
@@ -109,5 +109,5 @@ def test_exchange_conserves_every_morphogen(cells, seed):
     neighbours = [sorted(set(row)) for row in ring.tolist()]
     start = np.cumsum([0] + [len(n) for n in neighbours])
     table = table_of(1, cells, rng)
-    exchange(network, table, start, np.concatenate(neighbours), cells, make_share(network, cells))
+    exchange(network, table, start, np.concatenate(neighbours), cells, make_spread(network, cells))
     assert table[1 + OUTPUTS].sum() == pytest.approx(table[0].sum(), rel=1e-14)

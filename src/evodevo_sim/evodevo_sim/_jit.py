@@ -68,6 +68,11 @@ def lean(function):
     return kernel(function, _nrt=False)
 
 
+def inlined(function):
+    """A `lean` kernel whose code goes into that of each of its callers: a call hands over seven words for every array of a tuple."""
+    return kernel(function, _nrt=False, forceinline=True)
+
+
 def is_compiled(name: str) -> bool:
     """Whether a kernel, given as module.function, of exactly these sources is on disk already."""
     return any(CACHE_DIRECTORY.rglob(f"{name}-*.nbi"))

@@ -10,7 +10,7 @@ from ._jit import kernel, lean
 from .gabriel import adjacency, follow, gabriel_graph
 from .genome import INPUTS, OUTPUTS
 from .lanes import aligned
-from .regulation import AXIS, CONTRACTION, DIVISION, EXPANSION, exchange, make_share, regulate, unrest
+from .regulation import AXIS, CONTRACTION, DIVISION, EXPANSION, exchange, make_spread, regulate, unrest
 
 REST = 1e-8  # concentrations this close to where they are driven, and steps that move no cell farther, are at rest
 _CLEAR = 0.05  # m, least distance of a new daughter from any cell
@@ -194,7 +194,7 @@ def grow(network, development, continual, history, activations, graphs):
     position = np.zeros((limit, 2))
     axis = np.zeros((limit, 2))
     axis[0, 0] = 1.0
-    share, shift, degree, crowded = make_share(network, limit), np.empty((3, limit)), np.empty(limit, np.int64), False
+    spread, shift, degree, crowded = make_spread(network, limit), np.empty((3, limit)), np.empty(limit, np.int64), False
     witness = np.zeros((limit, limit) if continual else (0, 0), np.int32)
     edges = np.empty((3 * limit + 1 if continual else limit * (limit - 1) // 2 + 1, 2), np.int64)
     push = np.empty((3, edges.shape[0]))
@@ -219,7 +219,7 @@ def grow(network, development, continual, history, activations, graphs):
                 _measure_delays(position, cells, development, longest, delay)
             diffuse(network, table, past, step, delay, cells, development.morphogen_range)
         else:
-            exchange(network, table, start, neighbour, cells, share)
+            exchange(network, table, start, neighbour, cells, spread)
         regulate(network, table, drive, cells, development.regulation_rate)
         grown = _divide(position, axis, table, units, cells, development)
         if not continual:

@@ -17,7 +17,7 @@ from .forces import accelerations, make_law, make_scratch, set_rest_lengths
 from .lanes import aligned
 from .physics import settle
 from .rates import MOST_SUBSTEPS, choose_substeps
-from .regulation import CONTRACTION, EXPANSION, exchange, express, make_share, prune, regulate
+from .regulation import CONTRACTION, EXPANSION, exchange, express, make_spread, prune, regulate
 
 OK, NO_GROWTH, NO_CHAMBER, RESTING, UNSTABLE_PHYSICS, INVERTED_CHAMBER = range(6)
 SETTLE_TOLERANCE = 1e-3  # m/s^2
@@ -29,7 +29,7 @@ _STILL = 1e-7  # m/s and m/s^2 below which a body rests
 # finer: times as many, for an audit.
 Life = namedtuple(
     "Life",
-    "body law network units table past delay start neighbour born drive share muscle rest position velocity scratch substeps finer",
+    "body law network units table past delay start neighbour born drive spread muscle rest position velocity scratch substeps finer",
 )
 
 
@@ -89,7 +89,7 @@ def birth(genome, development, continual, material, scene, given_inputs, control
     past = embryo.past if continual else _keep_read(embryo.past, weights, units, given_inputs, network)
     life = Life(
         body, law, network, units, embryo.table, past, embryo.delay, embryo.start, embryo.neighbour, embryo.steps,
-        aligned(network.nodes.size, cells), make_share(network, cells), np.empty(cells), np.empty(body.rest_length.size),
+        aligned(network.nodes.size, cells), make_spread(network, cells), np.empty(cells), np.empty(body.rest_length.size),
         body.position.T.copy(), np.zeros((2, cells)), make_scratch(body),
         substeps, finer,
     )
@@ -126,7 +126,7 @@ def think(life, step, development, continual):
     cells = muscle.size
     e, c = table[life.units + EXPANSION], table[life.units + CONTRACTION]
     if continual:
-        exchange(network, table, life.start, life.neighbour, cells, life.share)
+        exchange(network, table, life.start, life.neighbour, cells, life.spread)
     else:
         now = life.born + step
         remember(network, table, life.past, now, cells)

@@ -14,9 +14,10 @@ from collections import namedtuple
 
 import numpy as np
 
-from ._jit import kernel, lean
+from ._jit import inlined, kernel, lean
 from .genome import HEADER, INPUTS, MORPHOGEN, OUTPUTS, REGULATORY
 from .lanes import LANES, WAYS, add_rows, aligned, fma, padded, sum_rows
+from .vectors import load4, padded4, store, transpose
 
 DIVISION, AXIS, EXPANSION, CONTRACTION = range(4)
 REACH = 5.0  # affinity is 0 beyond this distance
@@ -25,6 +26,9 @@ _TRACE = 1e-30  # a concentration below this is none; decay would end in denorma
 # `nodes` are the table rows to integrate; node n sums `weight` times table row `source` over [start[n], start[n + 1]), which is
 # filled up with weights of 0 to a multiple of WAYS.
 Network = namedtuple("Network", "units nodes start source weight morphogens")
+# Scratch of `exchange`, rows by cell and columns by morphogen, both filled up: part (rows,), of what a cell has that each neighbour
+# gets; given, what that is; received, what came from all of them.
+Spread = namedtuple("Spread", "part given received")
 
 
 @lean
@@ -178,29 +182,52 @@ def unrest(network, table, drive, cells):
 
 
 @lean
-def exchange(network, table, start, neighbour, cells, share):
+def exchange(network, table, start, neighbour, cells, spread):
     """Variant B: every cell shares each morphogen equally among its graph neighbours, so the total is conserved.
 
-    Args: start (cells + 1,), neighbour: adjacency lists of the graph; share: scratch, see `make_share`.
+    Args: start (cells + 1,), neighbour: adjacency lists of the graph; spread: scratch, see `make_spread`.
     """
-    morphogens = network.morphogens
-    first_perceived = network.units + OUTPUTS
-    if morphogens.size == 0:
-        return
-    for i in range(cells):
-        part = 1.0 / (start[i + 1] - start[i])
-        own = share[i]
-        for m in range(morphogens.size):
-            own[m] = part * table[morphogens[m], i]
-    received, place = share[share.shape[0] - 1], (share.shape[0] - 1) * share.shape[1]
-    for i in range(cells):
-        for column in range(0, share.shape[1], LANES):
-            add_rows(share, neighbour, start[i], start[i + 1], column, share, place + column)
-        for m in range(morphogens.size):
-            table[first_perceived + morphogens[m], i] = received[m]
+    morphogens, given, received, part = network.morphogens, spread.given, spread.received, spread.part
+    last, width, columns = morphogens.size - 1, table.shape[1], given.shape[1]
+    for i in range(cells if morphogens.size else 0):
+        part[i] = 1.0 / (start[i + 1] - start[i])
+    for m in range(0, morphogens.size, 4):  # beyond the last, the last once more
+        a, b, c, d = _rows(morphogens, 0, m, last, width)
+        for i in range(0, cells, 4):
+            p, at = load4(part, i), i * columns + m
+            one, two, three, four = transpose(
+                p * load4(table, a + i), p * load4(table, b + i), p * load4(table, c + i), p * load4(table, d + i)
+            )
+            store(given, at, one)
+            store(given, at + columns, two)
+            store(given, at + 2 * columns, three)
+            store(given, at + 3 * columns, four)
+    for i in range(cells if morphogens.size else 0):
+        for column in range(0, columns, LANES):
+            add_rows(given, neighbour, start[i], start[i + 1], column, received, i * columns + column)
+    for m in range(0, morphogens.size, 4):
+        a, b, c, d = _rows(morphogens, network.units + OUTPUTS, m, last, width)
+        for i in range(0, cells, 4):
+            at = i * columns + m
+            one, two, three, four = transpose(
+                load4(received, at), load4(received, at + columns), load4(received, at + 2 * columns), load4(received, at + 3 * columns)
+            )
+            store(table, a + i, one)
+            store(table, b + i, two)
+            store(table, c + i, three)
+            store(table, d + i, four)
+
+
+@inlined
+def _rows(morphogens, first, m, last, width):
+    """Where the rows of four morphogens begin."""
+    return (
+        (first + morphogens[m]) * width, (first + morphogens[min(m + 1, last)]) * width,
+        (first + morphogens[min(m + 2, last)]) * width, (first + morphogens[min(m + 3, last)]) * width,
+    )
 
 
 @kernel
-def make_share(network, cells):
-    """Scratch of `exchange`: what each cell has of every morphogen to give to one neighbour, and in the last row what one receives."""
-    return aligned(cells + 1, network.morphogens.size)
+def make_spread(network, cells):
+    rows = padded4(cells)
+    return Spread(np.zeros(rows), aligned(rows, network.morphogens.size), aligned(rows, network.morphogens.size))
