@@ -47,7 +47,7 @@ def force_costs(sizes, rounds, libraries):
         for name, other in outs.items():
             if not np.allclose(other, out, rtol=1e-12, atol=1e-10):
                 raise AssertionError(f"{name}: other accelerations than evodevo_sim's")
-        row = {"cells": cells, "springs": rest.size, "chambers": scratch.push.size - 1}
+        row = {"cells": cells, "springs": rest.size, "chambers": body.triangle_area.size + body.polygon_area.size}
         row |= {f"{name}, ns": 1e9 * value / calls for name, value in seconds.items()}
         row |= {"same bits as C in passes": all(np.array_equal(outs[n], out) for n in outs if n.endswith("passes"))} if outs else {}
         if outs:

@@ -24,7 +24,7 @@ _KEEP_DAYS = 7.0
 def kernel_sources() -> list[Path]:
     """The files that compiled kernels depend on, in a fixed order; `parameters.py` among them, which makes argument types."""
     text = {path.stem: path.read_text(encoding="utf-8") for path in _ROOT.glob("*.py")}
-    wanted = {name for name in text if re.search(r"^@(kernel|lean)$", text[name], re.MULTILINE)} | {"parameters"}
+    wanted = {name for name in text if re.search(r"^@(kernel|lean|inlined)$", text[name], re.MULTILINE)} | {"parameters"}
     queue = list(wanted)
     while queue:
         for name in re.findall(r"^from \.(\w+) import", text[queue.pop()], re.MULTILINE):
@@ -54,7 +54,8 @@ def kernel(function, **options):
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(CACHE_DIRECTORY)
     try:
-        return numba.njit(function, cache=True, nogil=True, error_model="numpy", **options)
+        # Nobody calls kernels by a C pointer; to compile those wrappers takes time.
+        return numba.njit(function, cache=True, nogil=True, error_model="numpy", no_cfunc_wrapper=True, **options)
     finally:
         numba.config.CACHE_DIR = before
 
@@ -69,8 +70,10 @@ def lean(function):
 
 
 def inlined(function):
-    """A `lean` kernel whose code goes into that of each of its callers: a call hands over seven words for every array of a tuple."""
-    return kernel(function, _nrt=False, forceinline=True)
+    """A `lean` kernel whose code goes into that of each of its callers: a call hands over seven words for every array of a tuple.
+
+    Only kernels can call it."""
+    return kernel(function, _nrt=False, forceinline=True, no_cpython_wrapper=True)
 
 
 def is_compiled(name: str) -> bool:

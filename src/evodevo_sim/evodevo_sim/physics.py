@@ -24,16 +24,15 @@ def _runge_kutta(body, law, rest, position, velocity, h, scratch):
     """One step of the classical fourth-order Runge-Kutta method, in place, of a state that is packed before and after."""
     k1, k2, k3, k4, state = scratch.k1, scratch.k2, scratch.k3, scratch.k4, scratch.state
     for stage in range(4):
-        slope = k1
+        slope, slower, faster, ahead, before = k1, k1, k1, 0.5 * h, 0.0
         if stage == 1:
-            pack_ahead(position, velocity, 0.5 * h, 0.0, k1, k1, state)
             slope = k2
         elif stage == 2:
-            pack_ahead(position, velocity, 0.5 * h, 0.5 * h, k1, k2, state)
-            slope = k3
+            slope, faster, before = k3, k2, 0.5 * h
         elif stage == 3:
-            pack_ahead(position, velocity, h, 0.5 * h, k2, k3, state)
-            slope = k4
+            slope, slower, faster, ahead, before = k4, k2, k3, h, 0.5 * h
+        if stage > 0:
+            pack_ahead(position, velocity, ahead, before, slower, faster, state)
         accelerate(body, law, rest, scratch, slope)
     whole, sixth, double = four(h), four(h / 6.0), four(2.0)
     for a in range(2):

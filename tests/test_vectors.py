@@ -1,0 +1,87 @@
+"""Vectors: every operation gives, lane by lane, the bits of the same arithmetic in single numbers."""
+
+import numpy as np
+import pytest
+from evodevo_sim._jit import kernel
+from evodevo_sim.vectors import (
+    all_at_most, all_below, evens, four, index, join, lane, load2, load4, load4_within, low, magnitude, number, odds, padded4, root, store,
+    store4_within, swapped, transpose, two, zip_high, zip_low,
+)
+
+A, B = np.random.default_rng(1).uniform(0.1, 2.0, (2, 4)) * np.array([1.0, -1e3, 1e-3, 1.0])
+
+
+@kernel
+def _arithmetic(a, b, out):
+    x, y = load4(a, 0), load4(b, 0)
+    store(out, 0, x + y)
+    store(out, 4, x - y)
+    store(out, 8, x * y)
+    store(out, 12, x / y)
+    store(out, 16, root(magnitude(x)))
+
+
+def test_arithmetic_is_that_of_single_numbers():
+    out = np.empty(20)
+    _arithmetic(A, B, out)
+    assert np.array_equal(out, np.concatenate((A + B, A - B, A * B, A / B, np.sqrt(np.abs(A)))))
+
+
+@kernel
+def _lanes(a, b, out):
+    x, y = load4(a, 0), load4(b, 0)
+    store(out, 0, evens(x, y))
+    store(out, 4, odds(x, y))
+    store(out, 8, zip_low(x, y))
+    store(out, 12, zip_high(x, y))
+    store(out, 16, join(low(x), swapped(load2(b, 1))))
+    store(out, 20, four(lane(x, 3), lane(y, 2), 5.0, 6.0))
+    store(out, 24, join(two(7.0), two(8.0, 9.0)))
+    columns = transpose(x, y, four(1.0), four(2.0))
+    for k in range(4):
+        store(out, 28 + 4 * k, columns[k])
+
+
+def test_lanes_go_where_their_names_say():
+    out, (a, b) = np.empty(44), (np.arange(4.0), np.arange(10.0, 14.0))
+    _lanes(a, b, out)
+    assert out[:28].reshape(7, 4).tolist() == [
+        [0, 2, 10, 12], [1, 3, 11, 13], [0, 10, 1, 11], [2, 12, 3, 13], [0, 1, 12, 11], [3, 12, 5, 6], [7, 7, 8, 9],
+    ]
+    assert np.array_equal(out[28:].reshape(4, 4).T, [a, b, [1] * 4, [2] * 4])
+
+
+@kernel
+def _within(a, place, out):
+    store4_within(out, place, load4_within(a, place) + four(1.0))
+
+
+@pytest.mark.parametrize("size", range(1, 9))
+def test_nothing_beyond_the_end_is_read_or_written(size):
+    memory, out = np.full(12, np.nan), np.full(12, -1.0)
+    memory[:size] = np.arange(size)
+    for place in range(0, size, 4):
+        _within(memory[:size], place, out[:size])
+    assert out[:size].tolist() == [k + 1.0 for k in range(size)] and (out[size:] == -1.0).all()
+
+
+@kernel
+def _compare(a, b):
+    x, y = load4(a, 0), load4(b, 0)
+    return all_below(x, y), all_at_most(x, y)
+
+
+@pytest.mark.parametrize("b, below, at_most", [
+    ([2, 3, 4, 5], True, True), ([2, 2, 4, 5], False, True), ([2, 1, 4, 5], False, False), ([2, np.nan, 4, 5], False, False),
+])
+def test_a_comparison_holds_where_all_lanes_do_and_never_with_a_nan(b, below, at_most):
+    assert _compare(np.array([1.0, 2.0, 3.0, 4.0]), np.array(b, float)) == (below, at_most)
+
+
+@kernel
+def _look_up(places, numbers):
+    return index(places, 1), number(numbers, index(places, 0)), padded4(5)
+
+
+def test_places_are_unsigned():
+    assert _look_up(np.array([2, 2**32 - 1], np.uint32), np.array([1.0, 2.0, 3.0])) == (2**32 - 1, 3.0, 8)
