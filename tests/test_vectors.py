@@ -7,6 +7,7 @@ from evodevo_sim.vectors import (
     all_at_most, all_below, evens, four, index, join, lane, load2, load4, load4_within, low, magnitude, number, odds, padded4, root, store,
     store4_within, swapped, transpose, two, zip_high, zip_low,
 )
+from numba.core.errors import TypingError
 
 A, B = np.random.default_rng(1).uniform(0.1, 2.0, (2, 4)) * np.array([1.0, -1e3, 1e-3, 1.0])
 
@@ -76,6 +77,11 @@ def _compare(a, b):
 ])
 def test_a_comparison_holds_where_all_lanes_do_and_never_with_a_nan(b, below, at_most):
     assert _compare(np.array([1.0, 2.0, 3.0, 4.0]), np.array(b, float)) == (below, at_most)
+
+
+def test_an_array_with_gaps_is_refused():
+    with pytest.raises(TypingError, match="C-contiguous"):
+        _within(np.zeros(8)[::2], 0, np.zeros(4))
 
 
 @kernel

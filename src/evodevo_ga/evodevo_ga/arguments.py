@@ -44,8 +44,6 @@ The run's directory holds a rosbag2 recording in MCAP and champion.yaml. See it 
 """
 
 
-
-
 @dataclasses.dataclass(frozen=True)
 class Options:
     task: Task

@@ -65,7 +65,7 @@ def make_scratch(body):
     state[4 * (filler + 1)], state[4 * (filler + 2) + 1] = 1.0, 1.0  # x of the second cell that fills up, y of the third
     return Scratch(
         np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape),
-        np.empty(shape), plan, state, np.empty(2 * springs), np.empty(springs), np.empty(springs), np.zeros(outside + 1),
+        np.empty(shape), plan, state, np.zeros(2 * springs), np.zeros(springs), np.zeros(springs), np.zeros(outside + 1),
         np.empty(2 * plan.outline.size), np.empty(2 * filler + 8), np.zeros(1),
     )
 

@@ -46,7 +46,7 @@ def _runge_kutta(body, law, rest, position, velocity, h, scratch):
 
 
 @inlined
-def _surely_sound(body, velocity, h, scratch):
+def _surely_sound(body, position, velocity, h, scratch):
     """Whether a packed state passes `check`, in fewer steps.  Where this says no, `check` tells why."""
     state, plan, rest_length = scratch.state, scratch.plan, body.rest_length
     fastest, farthest = four((_FASTEST * body.shortest / h) ** 2), four((h / _FARTHEST) ** 2)
@@ -65,7 +65,11 @@ def _surely_sound(body, velocity, h, scratch):
         more, less = sides(state, plan, t)
         if not all_below(less, more):
             return False
-    return body.polygon_area.size == 0
+    polygon, corner = body.polygon_start, body.polygon_cell
+    for p in range(polygon.size - 1):
+        if not face_area(corner, polygon[p], polygon[p + 1], position[0], position[1]) > 0.0:
+            return False
+    return True
 
 
 @lean
@@ -119,7 +123,7 @@ def advance(body, law, rest, position, velocity, control_step, substeps, scratch
         h = control_step / steps
         for _ in range(steps):
             _runge_kutta(body, law, rest, position, velocity, h, scratch)
-            outcome = SOUND if _surely_sound(body, velocity, h, scratch) else check(body, position, velocity, h)
+            outcome = SOUND if _surely_sound(body, position, velocity, h, scratch) else check(body, position, velocity, h)
             if outcome != SOUND:
                 break
         if outcome == SOUND:
