@@ -12,22 +12,22 @@ import numpy as np
 
 from ._jit import inlined, kernel, lean
 from .vectors import (
-    evens, four, index, join, load2, load4, load4_within, low, magnitude, number, odds, padded4, root, store, store4_within, swapped,
-    transpose, two, zip_high, zip_low,
+    evens, even_pairs, four, halves, high, index, join, load2, load4, load4_within, low, magnitude, number, odd_pairs, odds, padded4, root,
+    store, store4_within, transpose,
 )
 
 # stiffness N/m, damping N s/m, pressure N/m, drag_normal and drag_tangential kg/m^2
 Law = namedtuple("Law", "stiffness damping pressure drag_normal drag_tangential")
 # A body in the order in which its forces are computed: springs, triangles and outline filled up to fours with some between three
-# cells beyond the last, which lie at the corners of a triangle and never move.  start, end, left, right: springs' cells and chambers, the
-# triangles and what fills them up first, then polygons, then outside; corner_a, _b, _c, area: triangles; outline: springs.
-Plan = namedtuple("Plan", "start end left right corner_a corner_b corner_c area outline inverse_mass")
+# cells beyond the last, which lie at the corners of a triangle and never move.  Cells are given by their place in the state, four times
+# their number.  start, end, left, right: springs' cells and chambers, the triangles and what fills them up first, then polygons, then
+# outside; corner_a, _b, _c, area: triangles; outline, outline_start, outline_end: its springs and their cells.
+Plan = namedtuple("Plan", "start end left right corner_a corner_b corner_c area outline outline_start outline_end inverse_mass")
 # Scratch of the integrator: states and their derivatives, (2, N) each; of the forces, by place in the plan: state, x, y, u, v of each
-# cell; edge, dx, dy; inverse_square, 1/length^2; pull, tension per length; push, half of c_p (1 - S/S0); drag and force, x and y; and
+# cell; dx, dy of each spring, inverse_square, 1/length^2, and pull, tension per length; push, half of c_p (1 - S/S0) of each chamber; force, x, y and room for two more; and
 # what `advance` leaves: rate (1,) 1/s, the rate of drag in its last state.
 Scratch = namedtuple(
-    "Scratch",
-    "position velocity k1 k2 k3 k4 start_position start_velocity plan state edge inverse_square pull push drag force rate",
+    "Scratch", "position velocity k1 k2 k3 k4 start_position start_velocity plan state dx dy inverse_square pull push force rate",
 )
 
 
@@ -41,19 +41,27 @@ def make_plan(body):
     cells, springs, triangles, outline = body.inverse_mass.size, body.rest_length.size, body.triangle_area.size, body.outline_spring.size
     filler, polygons = padded4(cells), padded4(triangles)
     outside = polygons + body.polygon_area.size
+    first, second, third = 4 * filler, 4 * filler + 4, 4 * filler + 8
     plan = Plan(
-        np.full(padded4(springs + 1), filler, np.uint32), np.full(padded4(springs + 1), filler + 1, np.uint32),
+        np.full(padded4(springs + 1), first, np.uint32), np.full(padded4(springs + 1), second, np.uint32),
         np.full(padded4(springs + 1), outside, np.uint32), np.full(padded4(springs + 1), outside, np.uint32),
-        np.full(polygons, filler, np.uint32), np.full(polygons, filler + 1, np.uint32), np.full(polygons, filler + 2, np.uint32),
-        np.ones(polygons), np.full(padded4(outline), springs, np.uint32), np.zeros(filler),
+        np.full(polygons, first, np.uint32), np.full(polygons, second, np.uint32), np.full(polygons, third, np.uint32), np.ones(polygons),
+        np.full(padded4(outline), springs, np.uint32), np.full(padded4(outline), first, np.uint32),
+        np.full(padded4(outline), second, np.uint32), np.zeros(filler),
     )
-    plan.start[:springs], plan.end[:springs] = body.spring_a, body.spring_b
+    for e in range(springs):
+        plan.start[e], plan.end[e] = 4 * body.spring_a[e], 4 * body.spring_b[e]
     for mine, of_body in ((plan.left, body.spring_left), (plan.right, body.spring_right)):
         for e in range(springs):
             mine[e] = of_body[e] if of_body[e] < triangles else of_body[e] - triangles + polygons
-    plan.corner_a[:triangles], plan.corner_b[:triangles] = body.triangle[:, 0], body.triangle[:, 1]
-    plan.corner_c[:triangles], plan.area[:triangles] = body.triangle[:, 2], body.triangle_area
-    plan.outline[:outline], plan.inverse_mass[:cells] = body.outline_spring, body.inverse_mass
+    for t in range(triangles):
+        corner = body.triangle[t]
+        plan.corner_a[t], plan.corner_b[t], plan.corner_c[t] = 4 * corner[0], 4 * corner[1], 4 * corner[2]
+        plan.area[t] = body.triangle_area[t]
+    for m in range(outline):
+        e = body.outline_spring[m]
+        plan.outline[m], plan.outline_start[m], plan.outline_end[m] = e, plan.start[e], plan.end[e]
+    plan.inverse_mass[:cells] = body.inverse_mass
     return plan
 
 
@@ -65,8 +73,8 @@ def make_scratch(body):
     state[4 * (filler + 1)], state[4 * (filler + 2) + 1] = 1.0, 1.0  # x of the second cell that fills up, y of the third
     return Scratch(
         np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape),
-        np.empty(shape), plan, state, np.zeros(2 * springs), np.zeros(springs), np.zeros(springs), np.zeros(outside + 1),
-        np.empty(2 * plan.outline.size), np.empty(2 * filler + 8), np.zeros(1),
+        np.empty(shape), plan, state, np.zeros(springs), np.zeros(springs), np.zeros(springs), np.zeros(springs), np.zeros(outside + 1),
+        np.empty(state.size), np.zeros(1),
     )
 
 
@@ -150,7 +158,8 @@ def accelerate(body, law, rest, scratch, out):
     if law.drag_normal != 0.0 or law.drag_tangential != 0.0:
         _drag(law, scratch)
     for i in range(0, out.shape[1], 4):
-        one, other, inverse = load4(force, 2 * i), load4(force, 2 * i + 4), load4(scratch.plan.inverse_mass, i)
+        one, other = join(load2(force, 4 * i), load2(force, 4 * i + 4)), join(load2(force, 4 * i + 8), load2(force, 4 * i + 12))
+        inverse = load4(scratch.plan.inverse_mass, i)
         store4_within(out[0], i, evens(one, other) * inverse)
         store4_within(out[1], i, odds(one, other) * inverse)
 
@@ -158,7 +167,7 @@ def accelerate(body, law, rest, scratch, out):
 @inlined
 def _at(state, cell, k):
     """x and y of a cell of a list."""
-    return load2(state, 4 * index(cell, k))
+    return load2(state, index(cell, k))
 
 
 @inlined
@@ -201,68 +210,95 @@ def _polygon(corner, first, last, state):
 @inlined
 def span(state, start, end, e):
     """dx, dy, du, dv of an edge."""
-    return load4(state, 4 * index(end, e)) - load4(state, 4 * index(start, e))
+    return load4(state, index(end, e)) - load4(state, index(start, e))
+
+
+@inlined
+def _numbers(values, places, e):
+    """The values at four places of a list."""
+    return four(
+        number(values, index(places, e)), number(values, index(places, e + 1)),
+        number(values, index(places, e + 2)), number(values, index(places, e + 3)),
+    )
+
+
+@inlined
+def _add(force, cell, e, vector):
+    place = index(cell, e)
+    store(force, place, load2(force, place) + vector)
+
+
+@inlined
+def _take(force, cell, e, vector):
+    place = index(cell, e)
+    store(force, place, load2(force, place) - vector)
 
 
 @inlined
 def _pull(law, rest, scratch):
     """Springs and dampers, per length of the spring, and what the other laws need of every edge."""
     state, start, end = scratch.state, scratch.plan.start, scratch.plan.end
-    edge, inverse_square, pull = scratch.edge, scratch.inverse_square, scratch.pull
     stiffness, damping, one = four(law.stiffness), four(law.damping), four(1.0)
     for e in range(0, rest.size, 4):
         a, b, c, d = span(state, start, end, e), span(state, start, end, e + 1), span(state, start, end, e + 2), span(state, start, end, e + 3)
-        store(edge, 2 * e, join(low(a), low(b)))
-        store(edge, 2 * e + 4, join(low(c), low(d)))
         dx, dy, du, dv = transpose(a, b, c, d)
         inverse = one / root(dx * dx + dy * dy)
         square = inverse * inverse
-        store(inverse_square, e, square)
-        store(pull, e, stiffness * (one - load4_within(rest, e) * inverse) + damping * square * (du * dx + dv * dy))
+        store(scratch.dx, e, dx)
+        store(scratch.dy, e, dy)
+        store(scratch.inverse_square, e, square)
+        store(scratch.pull, e, stiffness * (one - load4_within(rest, e) * inverse) + damping * square * (du * dx + dv * dy))
 
 
 @inlined
 def _hand_out(scratch):
     """Hand springs' and chambers' forces to both ends of every edge."""
-    plan, edge, pull, push, force = scratch.plan, scratch.edge, scratch.pull, scratch.push, scratch.force
-    start, end, left, right = plan.start, plan.end, plan.left, plan.right
-    for e in range(start.size):
-        i, j = 2 * index(start, e), 2 * index(end, e)
-        across = number(push, index(right, e)) - number(push, index(left, e))
-        d = load2(edge, 2 * e)
-        along, pushed = two(number(pull, e)) * d, two(-across, across) * swapped(d)
-        store(force, i, load2(force, i) + (pushed + along))
-        store(force, j, load2(force, j) + (pushed - along))
+    plan, push, force = scratch.plan, scratch.push, scratch.force
+    start, end = plan.start, plan.end
+    for e in range(0, start.size, 4):
+        dx, dy, pull = load4(scratch.dx, e), load4(scratch.dy, e), load4(scratch.pull, e)
+        across = _numbers(push, plan.right, e) - _numbers(push, plan.left, e)
+        along_x, along_y, across_x, across_y = pull * dx, pull * dy, across * dy, across * dx
+        x, y = along_x - across_x, along_y + across_y
+        even, odd = even_pairs(x, y), odd_pairs(x, y)
+        x, y = along_x + across_x, along_y - across_y
+        even_end, odd_end = even_pairs(x, y), odd_pairs(x, y)
+        _add(force, start, e, low(even))
+        _take(force, end, e, low(even_end))
+        _add(force, start, e + 1, low(odd))
+        _take(force, end, e + 1, low(odd_end))
+        _add(force, start, e + 2, high(even))
+        _take(force, end, e + 2, high(even_end))
+        _add(force, start, e + 3, high(odd))
+        _take(force, end, e + 3, high(odd_end))
 
 
 @inlined
-def _flow(state, start, end, e):
-    """Twice the mean velocity of an edge's ends."""
-    return load2(state, 4 * index(start, e) + 2) + load2(state, 4 * index(end, e) + 2)
+def _flow(state, start, end, m):
+    """dx, dy of an edge and the sum of its ends' u, v."""
+    one, other = load4(state, index(start, m)), load4(state, index(end, m))
+    return halves(other - one, one + other)
 
 
 @inlined
 def _drag(law, scratch):
     """F_T = -d_T l v_T |v_T| along and F_N = -d_N l v_N |v_N| across an outline edge, half to each end (section 4.2)."""
-    plan, state, edge, inverse_square, drag, force = (
-        scratch.plan, scratch.state, scratch.edge, scratch.inverse_square, scratch.drag, scratch.force
-    )
-    start, end, outline = plan.start, plan.end, plan.outline
+    plan, state, force = scratch.plan, scratch.state, scratch.force
+    start, end = plan.outline_start, plan.outline_end
     tangential, normal, half = four(-0.5 * law.drag_tangential), four(-0.5 * law.drag_normal), four(0.5)
-    for m in range(0, outline.size, 4):
-        a, b, c, d = index(outline, m), index(outline, m + 1), index(outline, m + 2), index(outline, m + 3)
-        one, other = join(_flow(state, start, end, a), _flow(state, start, end, b)), join(_flow(state, start, end, c), _flow(state, start, end, d))
-        u, v = half * evens(one, other), half * odds(one, other)
-        one, other = join(load2(edge, 2 * a), load2(edge, 2 * b)), join(load2(edge, 2 * c), load2(edge, 2 * d))
-        dx, dy = evens(one, other), odds(one, other)
-        square = four(number(inverse_square, a), number(inverse_square, b), number(inverse_square, c), number(inverse_square, d))
+    for m in range(0, plan.outline.size, 4):
+        a, b, c, d = _flow(state, start, end, m), _flow(state, start, end, m + 1), _flow(state, start, end, m + 2), _flow(state, start, end, m + 3)
+        dx, dy, u, v = transpose(a, b, c, d)
+        u, v, square = half * u, half * v, _numbers(scratch.inverse_square, plan.outline, m)
         along, across = u * dx + v * dy, v * dx - u * dy  # speeds times length
         t, n = tangential * square * along * magnitude(along), normal * square * across * magnitude(across)
-        fx, fy = t * dx - n * dy, t * dy + n * dx
-        store(drag, 2 * m, zip_low(fx, fy))
-        store(drag, 2 * m + 4, zip_high(fx, fy))
-    for m in range(outline.size):
-        e = index(outline, m)
-        i, j, f = 2 * index(start, e), 2 * index(end, e), load2(drag, 2 * m)
-        store(force, i, load2(force, i) + f)
-        store(force, j, load2(force, j) + f)
+        x, y = t * dx - n * dy, t * dy + n * dx
+        even, odd = even_pairs(x, y), odd_pairs(x, y)
+        _add(force, start, m, low(even))
+        _add(force, end, m, low(even))
+        _add(force, start, m + 1, low(odd))
+        _add(force, end, m + 1, low(odd))
+        _add(force, start, m + 2, high(even))
+        _add(force, end, m + 2, high(even))
+        _add(force, start, m + 3, high(odd))
+        _add(force, end, m + 3, high(odd))

@@ -200,12 +200,13 @@ def _of_two(meaning, *lanes):
 
 
 low = _of_one(TWO, "(a0, a1) of four", 0, 1)
-swapped = _of_one(TWO, "(a1, a0) of two", 1, 0)
+high = _of_one(TWO, "(a2, a3) of four", 2, 3)
 join = _of_two("(a0, a1, b0, b1) of twos", 0, 1, 2, 3)
 evens = _of_two("(a0, a2, b0, b2) of fours", 0, 2, 4, 6)
 odds = _of_two("(a1, a3, b1, b3) of fours", 1, 3, 5, 7)
-zip_low = _of_two("(a0, b0, a1, b1) of fours", 0, 4, 1, 5)
-zip_high = _of_two("(a2, b2, a3, b3) of fours", 2, 6, 3, 7)
+even_pairs = _of_two("(a0, b0, a2, b2) of fours", 0, 4, 2, 6)
+odd_pairs = _of_two("(a1, b1, a3, b3) of fours", 1, 5, 3, 7)
+halves = _of_two("(a0, a1, b2, b3) of fours", 0, 1, 6, 7)
 
 
 @intrinsic
