@@ -49,29 +49,38 @@ def _vectors(builder, data, first):
     return [builder.bitcast(builder.gep(data, [element]), _VECTOR.as_pointer()) for element in elements]
 
 
-def _sum(context, builder, table, row, weight, first, last, column, out, place):
-    """Emit the loop of `sum_rows`, or, without weight, of `add_rows`."""
-    ways = WAYS if weight is not None else 1
+def _sums(builder, table, row, weights, first, last, column, ways):
+    """Emit a loop that sums rows of a table, for each list of weights, in some of the ways, or, without any, all in one.
+
+    Args: weights: pointers, to be indexed as `row` is.  Returns: sums [list][way][vector].
+    """
     width = cgutils.unpack_tuple(builder, table.shape)[1]
     fused = cgutils.get_or_insert_function(builder.module, ir.FunctionType(_VECTOR, [_VECTOR] * 3), f"llvm.fma.v{_WIDTH}f64")
-    sums = [[cgutils.alloca_once(builder, _VECTOR) for _ in range(0, LANES, _WIDTH)] for _ in range(ways)]
-    for total in sum(sums, []):
+    sums = [[[cgutils.alloca_once(builder, _VECTOR) for _ in range(0, LANES, _WIDTH)] for _ in ways] for _ in weights or [None]]
+    for total in sum(sum(sums, []), []):
         builder.store(ir.Constant(_VECTOR, [0.0] * _WIDTH), total)
-    with cgutils.for_range_slice(builder, first, last, ir.Constant(first.type, ways), first.type, True) as (k, _):
-        for way, totals in enumerate(sums):
+    with cgutils.for_range_slice(builder, first, last, ir.Constant(first.type, WAYS if weights else 1), first.type, True) as (k, _):
+        for n, way in enumerate(ways):
             this = builder.add(k, ir.Constant(k.type, way))
             index = builder.load(builder.gep(row.data, [this]))
             index = index if index.type == width.type else builder.zext(index, width.type)
-            factor = None if weight is None else _splat(builder, builder.load(builder.gep(weight.data, [this])))
-            for cells, total in zip(_vectors(builder, table.data, builder.add(builder.mul(index, width), column)), totals):
-                cells, before = builder.load(cells, align=_ALIGNED), builder.load(total)
-                builder.store(builder.fadd(before, cells) if weight is None else builder.call(fused, [factor, cells, before]), total)
-    for target, *parts in zip(_vectors(builder, out.data, place), *sums):
-        parts = [builder.load(part) for part in parts]
+            cells = _vectors(builder, table.data, builder.add(builder.mul(index, width), column))
+            cells = [builder.load(vector, align=_ALIGNED) for vector in cells]
+            factors = [_splat(builder, builder.load(builder.gep(weight, [this]))) for weight in weights]
+            for totals, factor in zip(sums, factors or [None]):
+                for vector, total in zip(cells, totals[n]):
+                    before = builder.load(total)
+                    after = builder.fadd(before, vector) if factor is None else builder.call(fused, [factor, vector, before])
+                    builder.store(after, total)
+    return [[[builder.load(total) for total in totals] for totals in of_list] for of_list in sums]
+
+
+def _store(builder, out, place, *ways):
+    """Store sums [way][vector], added in pairs."""
+    for target, *parts in zip(_vectors(builder, out.data, place), *ways):
         while len(parts) > 1:
             parts = [builder.fadd(*parts[k : k + 2]) for k in range(0, len(parts), 2)]
         builder.store(parts[0], target, align=_ALIGNED)
-    return context.get_dummy_value()
 
 
 @intrinsic
@@ -85,7 +94,30 @@ def sum_rows(typing, table, row, weight, first, last, column, out, place):
 
     def generate(context, builder, signature, values):
         table, row, weight, out = (context.make_array(signature.args[k])(context, builder, values[k]) for k in (0, 1, 2, 6))
-        return _sum(context, builder, table, row, weight, *values[3:6], out, values[7])
+        (ways,) = _sums(builder, table, row, [weight.data], *values[3:6], range(WAYS))
+        _store(builder, out, values[7], *ways)
+        return context.get_dummy_value()
+
+    return signature, generate
+
+
+@intrinsic
+def sum_rows_twice(typing, table, row, weight, first, last, column, out, place, other):
+    """`sum_rows` with the weights from `first` on to `place`, and with as many more from `last` on to `other`.
+
+    The same bits in two thirds of the time: each number of the table is loaded once for both, so the ways go two by two, for
+    want of registers.
+    """
+    signature = types.void(table, row, weight, first, last, column, out, place, other)
+
+    def generate(context, builder, signature, values):
+        table, row, weight, out = (context.make_array(signature.args[k])(context, builder, values[k]) for k in (0, 1, 2, 6))
+        first, last, column = values[3:6]
+        weights = [weight.data, builder.gep(weight.data, [builder.sub(last, first)])]
+        halves = [_sums(builder, table, row, weights, first, last, column, range(n, n + WAYS // 2)) for n in (0, WAYS // 2)]
+        for place, *ways in zip(values[7:9], *halves):
+            _store(builder, out, place, *sum(ways, []))
+        return context.get_dummy_value()
 
     return signature, generate
 
@@ -100,7 +132,9 @@ def add_rows(typing, table, row, first, last, column, out, place):
 
     def generate(context, builder, signature, values):
         table, row, out = (context.make_array(signature.args[k])(context, builder, values[k]) for k in (0, 1, 5))
-        return _sum(context, builder, table, row, None, *values[2:5], out, values[6])
+        (ways,) = _sums(builder, table, row, [], *values[2:5], [0])
+        _store(builder, out, values[6], *ways)
+        return context.get_dummy_value()
 
     return signature, generate
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from ._jit import inlined, kernel, lean
 from .genome import HEADER, INPUTS, MORPHOGEN, OUTPUTS, REGULATORY
-from .lanes import LANES, WAYS, add_rows, aligned, fma, padded, sum_rows
+from .lanes import LANES, WAYS, add_rows, aligned, fma, padded, sum_rows, sum_rows_twice
 from .vectors import load4, padded4, store, transpose
 
 DIVISION, AXIS, EXPANSION, CONTRACTION = range(4)
@@ -24,8 +24,8 @@ REACH = 5.0  # affinity is 0 beyond this distance
 _TRACE = 1e-30  # a concentration below this is none; decay would end in denormal numbers, which cost ten times as much
 
 # `nodes` are the table rows to integrate; node n sums `weight` times table row `source` over [start[n], start[n + 1]), which is
-# filled up with weights of 0 to a multiple of WAYS.
-Network = namedtuple("Network", "units nodes start source weight morphogens")
+# filled up with weights of 0 to a multiple of WAYS.  twin (nodes,): whether the next node sums the same rows.
+Network = namedtuple("Network", "units nodes start source weight twin morphogens")
 # Scratch of `exchange`, rows by cell and columns by morphogen, both filled up: part (rows,), of what a cell has that each neighbour
 # gets; given, what that is; received, what came from all of them.
 Spread = namedtuple("Spread", "part given received")
@@ -146,7 +146,10 @@ def prune(weights, units, read_outputs, given_inputs):
                 carried[s - units] = True
         count += -count % WAYS
         start[row + 1] = count
-    return Network(units, nodes, start, source[:count].copy(), weight[:count].copy(), np.flatnonzero(carried))
+    twin = np.zeros(nodes.size, np.bool_)
+    for row in range(nodes.size - 1):
+        twin[row] = np.array_equal(source[start[row] : start[row + 1]], source[start[row + 1] : start[row + 2]])
+    return Network(units, nodes, start, source[:count].copy(), weight[:count].copy(), twin, np.flatnonzero(carried))
 
 
 @lean
@@ -157,10 +160,14 @@ def regulate(network, table, drive, cells, rate):
     the same width with a row per node, left holding activation(A); rate: h.
     """
     nodes, start, source, weight = network.nodes, network.start, network.source, network.weight
-    width = padded(cells)
-    for row in range(nodes.size):
-        for column in range(0, width, LANES):
-            sum_rows(table, source, weight, start[row], start[row + 1], column, drive, row * drive.shape[1] + column)
+    width, room, row = padded(cells), drive.shape[1], 0
+    while row < nodes.size:
+        for at in range(0, width, LANES):
+            if network.twin[row]:
+                sum_rows_twice(table, source, weight, start[row], start[row + 1], at, drive, row * room + at, (row + 1) * room + at)
+            else:
+                sum_rows(table, source, weight, start[row], start[row + 1], at, drive, row * room + at)
+        row += 2 if network.twin[row] else 1
     for row in range(nodes.size):
         a = drive[row]
         c = table[nodes[row]]
