@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from evodevo_sim.genome import INPUTS, MORPHOGEN, OUTPUTS, TRANSCRIPTION_FACTOR
 from evodevo_sim.lanes import aligned
-from evodevo_sim.regulation import activation, affinity, assign_units, exchange, express, make_spread, prune, regulate
+from evodevo_sim.regulation import activation, affinity, assign_units, exchange, express, make_spread, prune, regulate, share_out
 from genomes import hand_made, random_genomes, unit
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -90,8 +90,10 @@ def test_pruning_changes_no_read_output_by_one_bit(genome, seed):
     for mask in (ALL_OUTPUTS, read):
         network = prune(weights, units, mask, ALL_INPUTS)
         table = table_of(units, 3, np.random.default_rng(seed))
+        start, spread = np.array([0, 1, 3, 4]), make_spread(network, 3)
+        share_out(start, 3, spread)
         for _ in range(30):
-            exchange(network, table, np.array([0, 1, 3, 4]), np.array([1, 0, 2, 1]), 3, make_spread(network, 3))
+            exchange(network, table, start, np.array([1, 0, 2, 1]), 3, spread)
             regulate(network, table, aligned(network.nodes.size, 3), 3, 0.1)
         outputs.append(table[units + 2 : units + 4, :3])
     assert np.array_equal(*outputs)
@@ -109,5 +111,7 @@ def test_exchange_conserves_every_morphogen(cells, seed):
     neighbours = [sorted(set(row)) for row in ring.tolist()]
     start = np.cumsum([0] + [len(n) for n in neighbours])
     table = table_of(1, cells, rng)
-    exchange(network, table, start, np.concatenate(neighbours), cells, make_spread(network, cells))
+    spread = make_spread(network, cells)
+    share_out(start, cells, spread)
+    exchange(network, table, start, np.concatenate(neighbours), cells, spread)
     assert table[1 + OUTPUTS].sum() == pytest.approx(table[0].sum(), rel=1e-14)

@@ -6,11 +6,14 @@ from collections import namedtuple
 
 import numpy as np
 
-from ._jit import kernel, lean
+from ._jit import inlined, kernel, lean
 from .gabriel import adjacency, follow, gabriel_graph
 from .genome import INPUTS, OUTPUTS
 from .lanes import aligned
-from .regulation import AXIS, CONTRACTION, DIVISION, EXPANSION, exchange, make_spread, regulate, unrest
+from .regulation import AXIS, CONTRACTION, DIVISION, EXPANSION, exchange, make_spread, regulate, share_out, unrest
+from .vectors import (
+    chosen, even_pairs, evens, four, high, index, join, lane, load2, load4, low, magnitude, odd_pairs, odds, padded4, root, store,
+)
 
 REST = 1e-8  # concentrations this close to where they are driven, and steps that move no cell farther, are at rest
 _CLEAR = 0.05  # m, least distance of a new daughter from any cell
@@ -78,48 +81,71 @@ def _crowded(edges, count, cells, degree):
 
 
 @lean
-def _relax(position, cells, edges, count, crowded, development, shift, push):
+def _list_ends(edges, count, spare, first, second):
+    """Where the ends of edges begin in their positions, filled up to fours with a cell that is none, at `spare`."""
+    for e in range(padded4(count)):
+        first[e], second[e] = 2 * (edges[e, 0] if e < count else spare), 2 * (edges[e, 1] if e < count else spare)
+
+
+@inlined
+def _apart(position, first, second, e):
+    return load2(position, index(second, e)) - load2(position, index(first, e))
+
+
+@inlined
+def _move_apart(shift, first, second, e, move):
+    i, j = index(first, e), index(second, e)
+    store(shift, i, load2(shift, i) + move)
+    store(shift, j, load2(shift, j) - move)
+
+
+@lean
+def _relax(position, cells, first, second, count, crowded, development, shift, held, push):
     """Push overlapping neighbours apart, pull separated ones together, once.  Returns the largest move of a coordinate.
 
     A cell in a crowd of more than six takes the mean of their pushes six times, not their sum, which would overshoot.
-    Args: crowded: whether any cell has that many edges; shift (3, >= cells), push (3, >= count): scratch.
+    Args: position (> cells, 2); first, second: see `_list_ends`; crowded: whether any cell has more than six edges; shift like
+        position, held (> cells,), push (3, >= count): scratch.
     """
-    repulsion, adhesion, reach = 0.5 * development.repulsion, 0.5 * development.adhesion, development.adhesion_range
-    sx, sy, held = shift[0], shift[1], shift[2]
+    repulsion, adhesion, reach = four(0.5 * development.repulsion), four(0.5 * development.adhesion), four(development.adhesion_range)
+    zero, one = four(0.0), four(1.0)
     px, py, holds = push[0], push[1], push[2]
-    for i in range(cells):
-        sx[i], sy[i], held[i] = 0.0, 0.0, 0.0
-    for e in range(count):
-        i, j = edges[e, 0], edges[e, 1]
-        px[e], py[e] = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
-    for e in range(count):  # choices between numbers, not of a way to go, so that the loop takes several edges at a time
-        d = np.sqrt(px[e] * px[e] + py[e] * py[e])
-        factor = repulsion if d < 1.0 else adhesion
-        factor = factor if d < reach else 0.0
-        share = factor * (d - 1.0) / (d if d > 0.0 else 1.0)
-        hold = 1.0 if d < reach else 0.0
-        px[e], py[e], holds[e] = share * px[e], share * py[e], hold if d > 0.0 else 0.0
-    for e in range(count):
-        i, j = edges[e, 0], edges[e, 1]
-        sx[i] += px[e]
-        sy[i] += py[e]
-        sx[j] -= px[e]
-        sy[j] -= py[e]
+    for i in range(0, 2 * cells, 4):
+        store(shift, i, zero)
+    for e in range(0, count, 4):
+        a, b = _apart(position, first, second, e), _apart(position, first, second, e + 1)
+        c, d = _apart(position, first, second, e + 2), _apart(position, first, second, e + 3)
+        dx, dy = evens(join(a, b), join(c, d)), odds(join(a, b), join(c, d))
+        distance = root(dx * dx + dy * dy)
+        factor = chosen(reach, distance, chosen(one, distance, repulsion, adhesion), zero)
+        share = factor * (distance - one) / chosen(distance, zero, distance, one)
+        store(px, e, share * dx)
+        store(py, e, share * dy)
+        store(holds, e, chosen(distance, zero, chosen(reach, distance, one, zero), zero))
+    for e in range(0, count, 4):
+        x, y = load4(px, e), load4(py, e)
+        even, odd = even_pairs(x, y), odd_pairs(x, y)
+        _move_apart(shift, first, second, e, low(even))
+        _move_apart(shift, first, second, e + 1, low(odd))
+        _move_apart(shift, first, second, e + 2, high(even))
+        _move_apart(shift, first, second, e + 3, high(odd))
     if crowded:
+        for i in range(cells):
+            held[i] = 0.0
         for e in range(count):
-            held[edges[e, 0]] += holds[e]
-            held[edges[e, 1]] += holds[e]
+            held[first[e] // 2] += holds[e]
+            held[second[e] // 2] += holds[e]
         for i in range(cells):
             scale = min(1.0, 6.0 / max(held[i], 1.0))
-            sx[i] *= scale
-            sy[i] *= scale
-    most = 0.0
-    for i in range(cells):
-        position[i, 0] += sx[i]
-        position[i, 1] += sy[i]
-        most = abs(sx[i]) if abs(sx[i]) > most else most
-        most = abs(sy[i]) if abs(sy[i]) > most else most
-    return most
+            shift[i, 0] *= scale
+            shift[i, 1] *= scale
+    most = zero
+    for i in range(0, 2 * cells, 4):
+        move = load4(shift, i)
+        store(position, i, load4(position, i) + move)
+        size = magnitude(move)
+        most = chosen(size, most, size, most)
+    return max(max(lane(most, 0), lane(most, 1)), max(lane(most, 2), lane(most, 3)))
 
 
 @lean
@@ -191,13 +217,14 @@ def grow(network, development, continual, history, activations, graphs):
     units = network.units
     first_input = 2 * units + OUTPUTS
     table, drive = aligned(first_input + INPUTS, limit), aligned(network.nodes.size, limit)
-    position = np.zeros((limit, 2))
+    position, shift, held = np.zeros((limit + 1, 2)), np.zeros((limit + 1, 2)), np.empty(limit)
     axis = np.zeros((limit, 2))
     axis[0, 0] = 1.0
-    spread, shift, degree, crowded = make_spread(network, limit), np.empty((3, limit)), np.empty(limit, np.int64), False
+    spread, degree, crowded = make_spread(network, limit), np.empty(limit, np.int64), False
     witness = np.zeros((limit, limit) if continual else (0, 0), np.int32)
     edges = np.empty((3 * limit + 1 if continual else limit * (limit - 1) // 2 + 1, 2), np.int64)
-    push = np.empty((3, edges.shape[0]))
+    push = np.empty((3, padded4(edges.shape[0])))
+    first, second = np.empty(push.shape[1], np.uint32), np.empty(push.shape[1], np.uint32)
     spare, holds, travelled = np.empty_like(edges), np.full(limit, -1.0), 0.0
     start = np.zeros(limit + 1, np.int64)
     neighbour = np.empty(2 * edges.shape[0], np.uint32)
@@ -234,13 +261,16 @@ def grow(network, development, continual, history, activations, graphs):
                 count, changed = follow(position, grown, travelled, holds, witness, edges, count, spare)
                 if changed:
                     adjacency(edges, count, grown, start, neighbour)
+                    share_out(start, grown, spread)
+                    _list_ends(edges, count, limit, first, second)
                     crowded = _crowded(edges, count, grown, degree)
             else:
                 count = _metric_edges(position, grown, development.neighbour_radius, edges)
+                _list_ends(edges, count, limit, first, second)
                 crowded = _crowded(edges, count, grown, degree)
             most = 0.0
             for _ in range(development.relaxations):
-                move = _relax(position, grown, edges, count, crowded, development, shift, push)
+                move = _relax(position, grown, first, second, count, crowded, development, shift, held, push)
                 most = max(most, move)
                 travelled += 1.5 * move + _ROUNDING
             maternal(table, first_input, position, grown, development.maternal_length)

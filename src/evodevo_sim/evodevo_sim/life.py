@@ -17,7 +17,7 @@ from .forces import accelerations, make_law, make_scratch, set_rest_lengths
 from .lanes import aligned
 from .physics import settle
 from .rates import MOST_SUBSTEPS, choose_substeps
-from .regulation import CONTRACTION, EXPANSION, exchange, express, make_spread, prune, regulate
+from .regulation import CONTRACTION, EXPANSION, exchange, express, make_spread, prune, regulate, share_out
 
 OK, NO_GROWTH, NO_CHAMBER, RESTING, UNSTABLE_PHYSICS, INVERTED_CHAMBER = range(6)
 SETTLE_TOLERANCE = 1e-3  # m/s^2
@@ -87,9 +87,11 @@ def birth(genome, development, continual, material, scene, given_inputs, control
     if substeps > MOST_SUBSTEPS:
         status, substeps = UNSTABLE_PHYSICS, 0
     past = embryo.past if continual else _keep_read(embryo.past, weights, units, given_inputs, network)
+    spread = make_spread(network, cells)
+    share_out(embryo.start, cells, spread)
     life = Life(
         body, law, network, units, embryo.table, past, embryo.delay, embryo.start, embryo.neighbour, embryo.steps,
-        aligned(network.nodes.size, cells), make_spread(network, cells), np.empty(cells), np.empty(body.rest_length.size),
+        aligned(network.nodes.size, cells), spread, np.empty(cells), np.empty(body.rest_length.size),
         body.position.T.copy(), np.zeros((2, cells)), make_scratch(body),
         substeps, finer,
     )

@@ -27,7 +27,7 @@ _TRACE = 1e-30  # a concentration below this is none; decay would end in denorma
 # filled up with weights of 0 to a multiple of WAYS.  twin (nodes,): whether the next node sums the same rows.
 Network = namedtuple("Network", "units nodes start source weight twin morphogens")
 # Scratch of `exchange`, rows by cell and columns by morphogen, both filled up: part (rows,), of what a cell has that each neighbour
-# gets; given, what that is; received, what came from all of them.
+# gets, left by `share_out`; given, what that is; received, what came from all of them.
 Spread = namedtuple("Spread", "part given received")
 
 
@@ -189,15 +189,21 @@ def unrest(network, table, drive, cells):
 
 
 @lean
+def share_out(start, cells, spread):
+    """Learn from the adjacency lists of a graph what part of each morphogen a cell's neighbours get: none where it is alone."""
+    for i in range(cells):
+        degree = start[i + 1] - start[i]
+        spread.part[i] = 1.0 / degree if degree else 0.0
+
+
+@lean
 def exchange(network, table, start, neighbour, cells, spread):
     """Variant B: every cell shares each morphogen equally among its graph neighbours, so the total is conserved.
 
-    Args: start (cells + 1,), neighbour: adjacency lists of the graph; spread: scratch, see `make_spread`.
+    Args: start (cells + 1,), neighbour: adjacency lists of the graph; spread: scratch, which `share_out` has seen this graph.
     """
     morphogens, given, received, part = network.morphogens, spread.given, spread.received, spread.part
     last, width, columns = morphogens.size - 1, table.shape[1], given.shape[1]
-    for i in range(cells if morphogens.size else 0):
-        part[i] = 1.0 / (start[i + 1] - start[i])
     for m in range(0, morphogens.size, 4):  # beyond the last, the last once more
         a, b, c, d = _rows(morphogens, 0, m, last, width)
         for i in range(0, cells, 4):

@@ -177,6 +177,16 @@ def _in_each_lane(name):
 root, magnitude = _in_each_lane("sqrt"), _in_each_lane("fabs")
 
 
+@intrinsic
+def chosen(typing, a, b, above, otherwise):
+    """above in the lanes where a > b, otherwise in the others: also where there is a NaN."""
+
+    def generate(context, builder, signature, values):
+        return builder.select(builder.fcmp_ordered(">", *values[:2]), *values[2:])
+
+    return above(a, b, above, otherwise), generate
+
+
 def _shuffle(builder, a, b, *lanes):
     return builder.shuffle_vector(a, b, ir.Constant(ir.VectorType(_INDEX, len(lanes)), list(lanes)))
 
