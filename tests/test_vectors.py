@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from evodevo_sim._jit import kernel
 from evodevo_sim.vectors import (
-    all_at_most, all_below, evens, four, index, join, lane, load2, load4, load4_within, low, magnitude, number, odds, padded4, root, store,
-    store4_within, swapped, transpose, two, zip_high, zip_low,
+    all_at_most, all_below, chosen, even_pairs, evens, four, halves, high, index, join, lane, load2, load4, load4_within, low, magnitude, number,
+    odd_pairs, odds, padded4, root, store, store4_within, transpose,
 )
 from numba.core.errors import TypingError
 
@@ -33,23 +33,24 @@ def _lanes(a, b, out):
     x, y = load4(a, 0), load4(b, 0)
     store(out, 0, evens(x, y))
     store(out, 4, odds(x, y))
-    store(out, 8, zip_low(x, y))
-    store(out, 12, zip_high(x, y))
-    store(out, 16, join(low(x), swapped(load2(b, 1))))
+    store(out, 8, even_pairs(x, y))
+    store(out, 12, odd_pairs(x, y))
+    store(out, 16, join(low(x), load2(b, 1)))
     store(out, 20, four(lane(x, 3), lane(y, 2), 5.0, 6.0))
-    store(out, 24, join(two(7.0), two(8.0, 9.0)))
+    store(out, 24, join(high(x), low(y)))
+    store(out, 28, halves(x, y))
     columns = transpose(x, y, four(1.0), four(2.0))
     for k in range(4):
-        store(out, 28 + 4 * k, columns[k])
+        store(out, 32 + 4 * k, columns[k])
 
 
 def test_lanes_go_where_their_names_say():
-    out, (a, b) = np.empty(44), (np.arange(4.0), np.arange(10.0, 14.0))
+    out, (a, b) = np.empty(48), (np.arange(4.0), np.arange(10.0, 14.0))
     _lanes(a, b, out)
-    assert out[:28].reshape(7, 4).tolist() == [
-        [0, 2, 10, 12], [1, 3, 11, 13], [0, 10, 1, 11], [2, 12, 3, 13], [0, 1, 12, 11], [3, 12, 5, 6], [7, 7, 8, 9],
+    assert out[:32].reshape(8, 4).tolist() == [
+        [0, 2, 10, 12], [1, 3, 11, 13], [0, 10, 2, 12], [1, 11, 3, 13], [0, 1, 11, 12], [3, 12, 5, 6], [2, 3, 10, 11], [0, 1, 12, 13],
     ]
-    assert np.array_equal(out[28:].reshape(4, 4).T, [a, b, [1] * 4, [2] * 4])
+    assert np.array_equal(out[32:].reshape(4, 4).T, [a, b, [1] * 4, [2] * 4])
 
 
 @kernel
@@ -67,16 +68,20 @@ def test_nothing_beyond_the_end_is_read_or_written(size):
 
 
 @kernel
-def _compare(a, b):
+def _compare(a, b, out):
     x, y = load4(a, 0), load4(b, 0)
+    store(out, 0, chosen(y, x, y, four(-1.0)))
     return all_below(x, y), all_at_most(x, y)
 
 
-@pytest.mark.parametrize("b, below, at_most", [
-    ([2, 3, 4, 5], True, True), ([2, 2, 4, 5], False, True), ([2, 1, 4, 5], False, False), ([2, np.nan, 4, 5], False, False),
+@pytest.mark.parametrize("b, below, at_most, above", [
+    ([2, 3, 4, 5], True, True, [2, 3, 4, 5]), ([2, 2, 4, 5], False, True, [2, -1, 4, 5]), ([2, 1, 4, 5], False, False, [2, -1, 4, 5]),
+    ([2, np.nan, 4, 5], False, False, [2, -1, 4, 5]),
 ])
-def test_a_comparison_holds_where_all_lanes_do_and_never_with_a_nan(b, below, at_most):
-    assert _compare(np.array([1.0, 2.0, 3.0, 4.0]), np.array(b, float)) == (below, at_most)
+def test_lanes_are_compared_and_a_nan_is_neither_above_nor_below(b, below, at_most, above):
+    out = np.empty(4)
+    assert _compare(np.array([1.0, 2.0, 3.0, 4.0]), np.array(b, float), out) == (below, at_most)
+    assert out.tolist() == above
 
 
 def test_an_array_with_gaps_is_refused():

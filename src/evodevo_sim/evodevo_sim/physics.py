@@ -101,6 +101,13 @@ def check(body, position, velocity, h):
 
 
 @lean
+def judge(body, position, velocity, h, scratch):
+    """`check` of a state that is not packed, in less time where it is sound."""
+    pack(position, velocity, scratch.state)
+    return SOUND if _surely_sound(body, position, velocity, h, scratch) else check(body, position, velocity, h)
+
+
+@lean
 def copy_state(position, velocity, to_position, to_velocity):
     for a in range(2):
         for i in range(position.shape[1]):

@@ -107,24 +107,18 @@ def store(typing, array, place, vector):
     return types.void(array, types.int64, vector), generate
 
 
-def _builder_of(vector, meaning):
-    @intrinsic
-    def build(typing, *numbers):
-        def generate(context, builder, signature, values):
-            (values,) = (cgutils.unpack_tuple(builder, value) for value in values)
-            result = ir.Constant(vector.llvm, ir.Undefined)
-            for k in range(vector.width):
-                result = builder.insert_element(result, values[k % len(values)], ir.Constant(_INDEX, k))
-            return result
+@intrinsic
+def four(typing, *numbers):
+    """four(a): (a, a, a, a); four(a, b, c, d)"""
 
-        return vector(types.StarArgTuple(numbers)), generate
+    def generate(context, builder, signature, values):
+        numbers = cgutils.unpack_tuple(builder, values[0])
+        result = ir.Constant(FOUR.llvm, ir.Undefined)
+        for k in range(FOUR.width):
+            result = builder.insert_element(result, numbers[k % len(numbers)], ir.Constant(_INDEX, k))
+        return result
 
-    build.__doc__ = meaning
-    return build
-
-
-four = _builder_of(FOUR, "four(a): (a, a, a, a); four(a, b, c, d)")
-two = _builder_of(TWO, "two(a): (a, a); two(a, b)")
+    return FOUR(types.StarArgTuple(numbers)), generate
 
 
 def _arithmetic(symbol, instruction):

@@ -17,7 +17,7 @@ from .integrators import System, Work, euler
 from .life import (
     INVERTED_CHAMBER, OK, RESTING, UNSTABLE_PHYSICS, activity, birth, centre_of_mass, forget, keep, think, widen,
 )
-from .physics import INVERTED, MOST_DOUBLINGS, SOUND, copy_state, check
+from .physics import INVERTED, MOST_DOUBLINGS, SOUND, copy_state, judge
 from .regulation import unrest
 from .scent import Signals, disturb
 from .stability import EULER, bounds, longest_step
@@ -101,7 +101,7 @@ def move(walker, seconds):
         h = seconds / steps
         for _ in range(steps):
             euler(system, 0.0, h, position, velocity, work, ledger)
-        outcome = check(life.body, position, velocity, h)
+        outcome = judge(life.body, position, velocity, h, scratch)
         if outcome == SOUND:
             break
     return outcome
