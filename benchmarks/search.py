@@ -19,6 +19,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from evodevo_ga import SCHEMES, Evolution, Settings, scheme
 from evodevo_ga.feasible import check
+from evodevo_ga.operators import scatter_scent
 from evodevo_ga.settings import DEFAULT_SCHEME
 from evodevo_sim import Evaluation, Genome, GenomeError, ParameterError, Task, evaluate, load_genome, perform, random_genome, save_genome
 from evodevo_sim.audit import audit
@@ -97,6 +98,8 @@ def search_at_random(task: Task, settings: Settings, seed: int, budget: int, poo
     with tqdm(total=budget, desc=f"random {seed}", leave=False, mininterval=5.0) as bar:
         for first in range(0, budget, CHUNK):
             genomes = [random_genome(rng, settings.units, settings.extent) for _ in range(min(CHUNK, budget - first))]
+            if settings.scent_extent:
+                genomes = [scatter_scent(genome, rng, settings.scent_extent) for genome in genomes]
             for one in pool.map(lambda genome: evaluate(genome, task, seed), genomes):
                 done += 1
                 if best is None or one.fitness > best.fitness:

@@ -89,9 +89,10 @@ def born(genome, task, reads, inputs, unused):
     life = birth(genes, development, continual, material, scene, given, task.control_step, 1)[1]
     weights, units = express(*genes)
     if unused:
-        needed = prune(weights, units, np.array([False, False, True, True]), given).nodes
+        needed = prune(weights, units, np.array([False, False, True, True]), given, life.muscle.size).nodes
         weights[units + DIVISION, np.setdiff1d(np.arange(units), needed)] = NEAR_NOTHING
-    network = prune(weights, units, np.array(reads), given if inputs is None else np.ones(given.size, bool))
+    signals = given if inputs is None else np.ones(given.size, bool)
+    network = prune(weights, units, np.array(reads), signals, life.muscle.size)
     return life._replace(network=network, drive=aligned(network.nodes.size, life.muscle.size))
 
 

@@ -65,7 +65,7 @@ def table_of(units, cells, rng):
 @given(random_genomes(), st.integers(1, 9), st.integers(0, 2**32))
 def test_a_step_is_the_law_and_stays_in_range(genome, cells, seed):
     weights, units = express(*genome.arrays())
-    network = prune(weights, units, ALL_OUTPUTS, ALL_INPUTS)
+    network = prune(weights, units, ALL_OUTPUTS, ALL_INPUTS, cells)
     rng = np.random.default_rng(seed)
     table = table_of(units, cells, rng)
     table[units + OUTPUTS : 2 * units + OUTPUTS, :cells] = rng.random((units, cells))
@@ -88,7 +88,7 @@ def test_pruning_changes_no_read_output_by_one_bit(genome, seed):
     read = np.array([False, False, True, True])
     outputs = []
     for mask in (ALL_OUTPUTS, read):
-        network = prune(weights, units, mask, ALL_INPUTS)
+        network = prune(weights, units, mask, ALL_INPUTS, 3)
         table = table_of(units, 3, np.random.default_rng(seed))
         start, spread = np.array([0, 1, 3, 4]), make_spread(network, 3)
         share_out(start, 3, spread)
@@ -106,7 +106,7 @@ def test_exchange_conserves_every_morphogen(cells, seed):
     genome = hand_made(
         {"expansion": (1, 0.0, 0.0)}, [unit([(1, 0.0, 0.0)], [(MORPHOGEN, 1, 0.0, 0.0)])],
     )
-    network = prune(*express(*genome.arrays()), ALL_OUTPUTS, ALL_INPUTS)
+    network = prune(*express(*genome.arrays()), ALL_OUTPUTS, ALL_INPUTS, cells)
     ring = np.array([[(i - 1) % cells, (i + 1) % cells] for i in range(cells)])
     neighbours = [sorted(set(row)) for row in ring.tolist()]
     start = np.cumsum([0] + [len(n) for n in neighbours])

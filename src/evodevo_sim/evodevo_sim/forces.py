@@ -24,8 +24,8 @@ Law = namedtuple("Law", "stiffness damping pressure drag_normal drag_tangential"
 # outside; corner_a, _b, _c, area: triangles; outline, outline_start, outline_end: its springs and their cells.
 Plan = namedtuple("Plan", "start end left right corner_a corner_b corner_c area outline outline_start outline_end inverse_mass")
 # Scratch of the integrator: states and their derivatives, (2, N) each; of the forces, by place in the plan: state, x, y, u, v of each
-# cell; dx, dy of each spring, inverse_square, 1/length^2, and pull, tension per length; push, half of c_p (1 - S/S0) of each chamber; force, x, y and room for two more; and
-# what `advance` leaves: rate (1,) 1/s, the rate of drag in its last state.
+# cell; dx, dy of each spring, inverse_square, 1/length^2, and pull, tension per length; push, half of c_p (1 - S/S0) of each
+# chamber; force, x, y and room for two more; and what `advance` leaves: rate (1,) 1/s, the rate of drag in its last state.
 Scratch = namedtuple(
     "Scratch", "position velocity k1 k2 k3 k4 start_position start_velocity plan state dx dy inverse_square pull push force rate",
 )
@@ -240,7 +240,8 @@ def _pull(law, rest, scratch):
     state, start, end = scratch.state, scratch.plan.start, scratch.plan.end
     stiffness, damping, one = four(law.stiffness), four(law.damping), four(1.0)
     for e in range(0, rest.size, 4):
-        a, b, c, d = span(state, start, end, e), span(state, start, end, e + 1), span(state, start, end, e + 2), span(state, start, end, e + 3)
+        a, b = span(state, start, end, e), span(state, start, end, e + 1)
+        c, d = span(state, start, end, e + 2), span(state, start, end, e + 3)
         dx, dy, du, dv = transpose(a, b, c, d)
         inverse = one / root(dx * dx + dy * dy)
         square = inverse * inverse
@@ -287,7 +288,8 @@ def _drag(law, scratch):
     start, end = plan.outline_start, plan.outline_end
     tangential, normal, half = four(-0.5 * law.drag_tangential), four(-0.5 * law.drag_normal), four(0.5)
     for m in range(0, plan.outline.size, 4):
-        a, b, c, d = _flow(state, start, end, m), _flow(state, start, end, m + 1), _flow(state, start, end, m + 2), _flow(state, start, end, m + 3)
+        a, b = _flow(state, start, end, m), _flow(state, start, end, m + 1)
+        c, d = _flow(state, start, end, m + 2), _flow(state, start, end, m + 3)
         dx, dy, u, v = transpose(a, b, c, d)
         u, v, square = half * u, half * v, _numbers(scratch.inverse_square, plan.outline, m)
         along, across = u * dx + v * dy, v * dx - u * dy  # speeds times length

@@ -62,9 +62,10 @@ def _sums(builder, table, row, weights, first, last, column, ways):
     with cgutils.for_range_slice(builder, first, last, ir.Constant(first.type, WAYS if weights else 1), first.type, True) as (k, _):
         for n, way in enumerate(ways):
             this = builder.add(k, ir.Constant(k.type, way))
-            index = builder.load(builder.gep(row.data, [this]))
-            index = index if index.type == width.type else builder.zext(index, width.type)
-            cells = _vectors(builder, table.data, builder.add(builder.mul(index, width), column))
+            place = builder.load(builder.gep(row.data, [this]))
+            if not weights:
+                place = builder.mul(place if place.type == width.type else builder.zext(place, width.type), width)
+            cells = _vectors(builder, table.data, builder.add(place, column))
             cells = [builder.load(vector, align=_ALIGNED) for vector in cells]
             factors = [_splat(builder, builder.load(builder.gep(weight, [this]))) for weight in weights]
             for totals, factor in zip(sums, factors or [None]):
@@ -85,10 +86,10 @@ def _store(builder, out, place, *ways):
 
 @intrinsic
 def sum_rows(typing, table, row, weight, first, last, column, out, place):
-    """out[place : place + LANES] = sum over k in [first, last) of weight[k] table[row[k], column : column + LANES].
+    """out[place : place + LANES] = sum over k in [first, last) of weight[k] table[row[k] + column : row[k] + column + LANES].
 
-    Args: table (R, W) and out (any shape, indexed flat) float64, C-contiguous, W and column multiples of LANES; row (K,) int64;
-    weight (K,) float64; last - first: a multiple of WAYS, of which each has a sum of its own.
+    Args: table and out (any shape, indexed flat) float64, C-contiguous; row (K,) int64: where rows of the table begin; column: a
+    multiple of LANES; weight (K,) float64; last - first: a multiple of WAYS, of which each has a sum of its own.
     """
     signature = types.void(table, row, weight, first, last, column, out, place)
 
@@ -124,9 +125,9 @@ def sum_rows_twice(typing, table, row, weight, first, last, column, out, place, 
 
 @intrinsic
 def add_rows(typing, table, row, first, last, column, out, place):
-    """The same without weights: out[place : place + LANES] = sum over k in [first, last) of table[row[k], column : column + LANES].
+    """Without weights: out[place : place + LANES] = sum over k in [first, last) of table[row[k], column : column + LANES].
 
-    Args: row (K,) uint32 or int64; first, last: int64.
+    Args: table (R, W), W a multiple of LANES; row (K,) uint32 or int64; first, last: int64.
     """
     signature = types.void(table, row, first, last, column, out, place)
 

@@ -59,7 +59,7 @@ def rests(body, law, rest, position, velocity, scratch):
 def develop(genome, development, continual, given_inputs, history, activations, graphs):
     """Grow a genome's embryo.  Returns: (weights, units, Embryo); see `regulation.express` and `development.grow`."""
     weights, units = express(*genome)
-    network = prune(weights, units, np.array([True, True, True, True]), given_inputs)
+    network = prune(weights, units, np.array([True, True, True, True]), given_inputs, development.max_cells)
     return weights, units, grow(network, development, continual, history, activations, graphs)
 
 
@@ -81,7 +81,7 @@ def birth(genome, development, continual, material, scene, given_inputs, control
         status = NO_GROWTH
     elif body.triangle_area.size + body.polygon_area.size == 0:
         status = NO_CHAMBER
-    network = prune(weights, units, np.array([False, False, True, True]), given_inputs)
+    network = prune(weights, units, np.array([False, False, True, True]), given_inputs, cells)
     law = make_law(material, scene)
     substeps = choose_substeps(body, law, control_step) if status == OK else 0
     if substeps > MOST_SUBSTEPS:
@@ -114,7 +114,7 @@ def keep(life, track, traces):
 @kernel
 def _keep_read(past, weights, units, given_inputs, network):
     """Variant A: of the history of growth, the morphogens that locomotion still reads."""
-    grown = prune(weights, units, np.array([True, True, True, True]), given_inputs)
+    grown = prune(weights, units, np.array([True, True, True, True]), given_inputs, past.shape[2])
     kept = np.empty((past.shape[0], network.morphogens.size, past.shape[2]))
     for row, morphogen in enumerate(network.morphogens):
         kept[:, row] = past[:, np.searchsorted(grown.morphogens, morphogen)]

@@ -56,7 +56,8 @@ def _surely_sound(body, position, velocity, h, scratch):
             return False
     start, end, shortest = plan.start, plan.end, four(_SHORTEST)
     for e in range(0, rest_length.size, 4):
-        a, b, c, d = span(state, start, end, e), span(state, start, end, e + 1), span(state, start, end, e + 2), span(state, start, end, e + 3)
+        a, b = span(state, start, end, e), span(state, start, end, e + 1)
+        c, d = span(state, start, end, e + 2), span(state, start, end, e + 3)
         dx, dy, du, dv = transpose(a, b, c, d)
         least, square = shortest * load4_within(rest_length, e), dx * dx + dy * dy
         if not (all_below(least * least, square) and all_at_most((du * du + dv * dv) * farthest, square)):

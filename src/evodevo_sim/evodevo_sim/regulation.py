@@ -23,8 +23,9 @@ DIVISION, AXIS, EXPANSION, CONTRACTION = range(4)
 REACH = 5.0  # affinity is 0 beyond this distance
 _TRACE = 1e-30  # a concentration below this is none; decay would end in denormal numbers, which cost ten times as much
 
-# `nodes` are the table rows to integrate; node n sums `weight` times table row `source` over [start[n], start[n + 1]), which is
-# filled up with weights of 0 to a multiple of WAYS.  twin (nodes,): whether the next node sums the same rows.
+# `nodes` are the table rows to integrate; node n sums `weight` times the row that begins at `source` in a table of `columns` over
+# [start[n], start[n + 1]), which is filled up with weights of 0 to a multiple of WAYS.  twin (nodes,): whether the next node sums the
+# same rows.
 Network = namedtuple("Network", "units nodes start source weight twin morphogens")
 # Scratch of `exchange`, rows by cell and columns by morphogen, both filled up: part (rows,), of what a cell has that each neighbour
 # gets, left by `share_out`; given, what that is; received, what came from all of them.
@@ -109,11 +110,11 @@ def express(kind, sign, x, y):
 
 
 @kernel
-def prune(weights, units, read_outputs, given_inputs):
+def prune(weights, units, read_outputs, given_inputs, cells):
     """The part of a network that what is read depends on, as sparse rows.
 
     Args: weights and units of `express`; read_outputs (4,) and given_inputs (INPUTS,) bool: outputs that something reads, and
-    inputs that this scene has.  Dropping the rest changes no output by one bit.
+    inputs that this scene has; cells: for how many a table is made.  Dropping the rest changes no output by one bit.
     """
     targets = units + OUTPUTS
     needed = np.zeros(targets, np.bool_)
@@ -139,7 +140,7 @@ def prune(weights, units, read_outputs, given_inputs):
             w = weights[node, s]
             if w == 0.0 or (s >= 2 * units and not given_inputs[s - 2 * units]):
                 continue
-            source[count] = s if s < units else s + OUTPUTS
+            source[count] = (s if s < units else s + OUTPUTS) * padded(cells)
             weight[count] = w
             count += 1
             if units <= s < 2 * units:
