@@ -37,9 +37,15 @@ def evolved(task, population, generations, workers):
 
 
 def timed(evaluate):
-    began = time.perf_counter()
+    began, before = time.perf_counter(), processor_time()
     result = evaluate()
-    return time.perf_counter() - began, result
+    return time.perf_counter() - began, processor_time() - before, result
+
+
+def processor_time():
+    """s that this process and its simulators have had of processors."""
+    processes = [psutil.Process(), *psutil.Process().children()]
+    return sum(process.cpu_times().user + process.cpu_times().system for process in processes)
 
 
 def watched(times, evaluate):
@@ -70,12 +76,13 @@ def main():
             "in this process": lambda: evaluate_all(genomes, task, SEED, given.workers),
             "through simulators": lambda: watched(times, lambda: fleet.evaluate(genomes, task, SEED)),
         }
-        seconds = {name: [] for name in ways}
+        seconds, work = {name: [] for name in ways}, dict.fromkeys(ways, 0.0)
         results = {name: evaluate() for name, evaluate in ways.items()}  # warm
         for k in tqdm(range(given.rounds), desc="rounds", leave=False):
             for name in list(ways)[:: 1 if k % 2 else -1]:
-                took, results[name] = timed(ways[name])
+                took, worked, results[name] = timed(ways[name])
                 seconds[name].append(took)
+                work[name] += worked
         memory = [process.memory_info().rss / 2**20 for process in psutil.Process().children()]
     rclpy.try_shutdown()
 
@@ -85,6 +92,8 @@ def main():
         print(f"  {name:20s} {min(values):.3f} s at the least, {statistics.median(values):.3f} s in the median")
     ratio = statistics.median(b / a for a, b in zip(here, there))
     print(f"  overhead of the services: {100 * (ratio - 1):+.1f} % (median of the rounds' ratios), {100 * (min(there) / min(here) - 1):+.1f} % (of the least)")
+    alone, served = work.values()
+    print(f"  processors' time: {alone / given.rounds:.3f} and {served / given.rounds:.3f} s, {100 * (served / alone - 1):+.1f} %")
     parts = times.seconds()
     share = parts[MESSAGES] / (parts[MESSAGES] + parts[EVALUATION])
     print(f"  making, sending and reading messages: {100 * share:.1f} % of a generation; the rest is waiting for simulators")

@@ -14,7 +14,7 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from .times import MESSAGES, Times
 
 SERVICE_TYPE = "evodevo_msgs/srv/Evaluate"
-BATCH = 4  # genomes in a request, at the most
+BATCH = 8  # genomes in a request, at the most
 IN_FLIGHT = 2  # requests queued at a node, so that it never waits for us
 ANSWER_WITHIN = 120.0  # s for one request, and a hundred times what its steps take; a node that takes longer counts as lost
 _SLOW_STEP = 1e-3  # s
@@ -34,7 +34,7 @@ def batches(count: int, servers: int) -> list[list[int]]:
     """Places 0 to count - 1 in requests that get smaller towards the end, so that the last to finish keeps nobody waiting."""
     parts, first = [], 0
     while first < count:
-        size = min(max((count - first) // (2 * IN_FLIGHT * servers), 1), BATCH)
+        size = min(max((count - first) // (IN_FLIGHT * servers), 1), BATCH)
         parts.append(list(range(first, first + size)))
         first += size
     return parts
@@ -101,7 +101,12 @@ class Fleet:
                         future = server.call_async(Evaluate.Request(task=message, seed=seed, genomes=[messages[i] for i in places]))
                     under_way.append(_Request(places, server, future, time.monotonic() + patience))
             self._executor.spin_once(timeout_sec=0.1)
-            under_way = [request for request in under_way if not self._take(request, results, waiting)]
+            # Nobody is asked whether it is still there while answers come in: that looks through the whole graph.
+            answered = any(request.future.done() for request in under_way)
+            under_way = [
+                request for request in under_way
+                if answered and not request.future.done() or not self._take(request, results, waiting)
+            ]
         return results
 
     def _take(self, request: _Request, results: list, waiting: deque) -> bool:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from array import array
 from dataclasses import fields, is_dataclass
+from functools import cache
 
 import numpy as np
 from builtin_interfaces.msg import Time
@@ -142,25 +143,34 @@ def _array(typecode, values):
     return array(typecode, np.asarray(values, typecode).tobytes())
 
 
+@cache
+def _layout(cls):
+    """Of the fields of a dataclass: (name, the dataclass that it is or None, the message's name and axis of a profile or None)."""
+    profiles = {f"{name}_{axis}": (name, axis) for name in ("ground", "ceiling") for axis in "xy"} if cls is Scene else {}
+    return [
+        (field.name, type(field.default) if is_dataclass(field.default) else None, profiles.get(field.name)) for field in fields(cls)
+    ]
+
+
 def _message(value):
     """The message of a dataclass of the same name, nested ones with it."""
-    cls = getattr(msg, type(value).__name__)
-    given = {field.name: getattr(value, field.name) for field in fields(value)}
-    if cls is msg.Scene:
+    cls = type(value)
+    given = {}
+    for name, nested, profile in _layout(cls):
+        if not profile:
+            given[name] = _message(getattr(value, name)) if nested else getattr(value, name)
+    if cls is Scene:  # points there, coordinates here
         for name in ("ground", "ceiling"):
-            given[name] = [msg.Vertex(x=x, y=y) for x, y in zip(given.pop(f"{name}_x"), given.pop(f"{name}_y"))]
-    return cls(**{name: _message(item) if is_dataclass(item) else item for name, item in given.items()})
+            given[name] = [msg.Vertex(x=x, y=y) for x, y in zip(getattr(value, f"{name}_x"), getattr(value, f"{name}_y"))]
+    return getattr(msg, cls.__name__)(**given)
 
 
 def _object(cls, message):
     """The dataclass of a message of the same name; fields that are dataclasses themselves are told by their defaults."""
     given = {}
-    for field in fields(cls):
-        name, _, axis = field.name.rpartition("_")
-        if cls is Scene and name in ("ground", "ceiling"):  # points there, coordinates here
-            given[field.name] = tuple(getattr(vertex, axis) for vertex in getattr(message, name))
-        elif is_dataclass(field.default):
-            given[field.name] = _object(type(field.default), getattr(message, field.name))
+    for name, nested, profile in _layout(cls):
+        if profile:
+            given[name] = tuple(getattr(vertex, profile[1]) for vertex in getattr(message, profile[0]))
         else:
-            given[field.name] = getattr(message, field.name)
+            given[name] = _object(nested, getattr(message, name)) if nested else getattr(message, name)
     return cls(**given)
