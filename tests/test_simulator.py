@@ -175,13 +175,14 @@ def test_a_live_animat_follows_the_last_good_target_whatever_else_comes():
         request = dict(task=task_message(task), seed=1, genome=genome_message(pulsing_smeller()), real_time_factor=1.0)
         assert "instead" not in operator.call(Load, f"{namespace}/load", **request).message
         operator.until(lambda: states and states[-1].step > 5)
-        now = operator.node.get_clock().now().to_msg().sec
         for k in range(1000):
             publisher.publish(pose(0.01 * k, 5.0))
-        publisher.publish(pose(3.0, 1.0, sec=now))
+        good, now = pose(3.0, 1.0), operator.node.get_clock().now().to_msg()
+        good.header.stamp = now  # to the nanosecond: a target of a second ago is too old
+        publisher.publish(good)
         asked = states[-1].step
         operator.until(lambda: states[-1].step > asked + 60)
-        for bad in (pose(float("nan")), pose(1.0, float("inf")), pose(1.0, frame="moon"), pose(1.0, frame=""), pose(1.0, sec=1), pose(1.0, sec=now + 1000)):
+        for bad in (pose(float("nan")), pose(1.0, float("inf")), pose(1.0, frame="moon"), pose(1.0, frame=""), pose(1.0, sec=1), pose(1.0, sec=now.sec + 1000)):
             publisher.publish(bad)
             asked = states[-1].step
             operator.until(lambda: states[-1].step > asked + 5)
