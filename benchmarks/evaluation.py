@@ -12,12 +12,14 @@ Accuracy: root mean square over cells of the distance, in cell diameters, from t
 from __future__ import annotations
 
 import dataclasses
+from pathlib import Path
 
 import numpy as np
 from common import FULL, TINY, Figure, best, champion, main, plt, race, save, write_csv
-from evodevo_sim import Development, Status, Task, evaluate, perform, random_genome
+from evodevo_sim import Development, Status, Task, evaluate, load_genome, perform, random_genome
 from evodevo_sim.swim_task import kernel_arguments
 from evodevo_sim.life import birth, develop
+from evodevo_sim.parameters import default_task, with_settings
 from evodevo_sim.scent import make_signals
 from evodevo_sim.swim import swim
 from kernels import many_accelerations, many_checks, many_regulations
@@ -31,6 +33,12 @@ SHARES = ("growth", "birth", "regulation", "springs", "damping", "chambers", "dr
 HORIZON = 1000  # control steps, after which errors are taken
 LIMITS = ((5e-3, 20.0), (1e-4, 32.0))  # cell diameters; ms at 64 cells
 FINEST = 32
+CHAMPIONS = Path(__file__).resolve().parents[1] / "src/evodevo_sim/champions"
+# What is timed; file of the genome; task; settings; ms that are asked.
+OTHERS = (
+    ("64 cells: a walker's evaluation from one start, settling included", "walker", "walk", {"starts": 1, "development.max_cells": 64}, 28.0),
+    ("32 cells: a seeker's evaluation of three swims", "seeker", "chemotaxis", {"chemotaxis.pairs": 1}, 36.0),
+)
 
 
 def life_of(genome, task):
@@ -106,6 +114,18 @@ def lively(task, count):
     return found
 
 
+def others(rounds):
+    """Figures of what else is asked for a number of milliseconds."""
+    lives = {
+        what: (load_genome(CHAMPIONS / f"{genome}.yaml"), with_settings(default_task(task), settings))
+        for what, genome, task, settings, _ in OTHERS
+    }
+    seconds = best(race({what: lambda life=life: evaluate(*life) for what, life in lives.items()}, 3 * rounds, "walker and seeker"))
+    return [
+        Figure(PART, what, f"{1e3 * seconds[what]:.1f} ms", f"<= {most:g} ms", 1e3 * seconds[what] <= most) for what, *_, most in OTHERS
+    ]
+
+
 def run(effort, out):
     sizes, rounds = (((8,), 2), ((32, 64), 5), ((8, 16, 32, 48, 64), 10))[effort]
     genome = champion()
@@ -121,6 +141,8 @@ def run(effort, out):
         if row["cells"] in (32, 64):
             text = ", ".join(f"{name} {row[f'{name}, %']:.0f}" for name in SHARES)
             figures.append(Figure(PART, f"{row['cells']} cells: shares of an evaluation, %", text))
+            took, most = row["milliseconds"], row["cells"] / 2
+            figures.append(Figure(PART, f"{row['cells']} cells: the champion's evaluation", f"{took:.1f} ms", f"<= {most:g} ms", took <= most))
     for cells in dict.fromkeys(row["cells"] for row in errors):
         mine = [row for row in errors if row["cells"] == cells]
         error, substeps = mine[0]["error"], mine[0]["substeps"]
@@ -133,6 +155,7 @@ def run(effort, out):
                 asked = (f"<= {milliseconds:g} ms", row["milliseconds"] <= milliseconds) if cells == 64 else ()
                 figures.append(Figure(PART, f"{cells} cells: evaluation with an error <= {most:g}", text, *asked))
     if effort == FULL:
+        figures += others(rounds)
         task = Task(development=Development(max_cells=64))
         random = best(race({k: lambda g=g: evaluate(g, task) for k, g in enumerate(lively(task, 4))}, 7, "random genomes"))
         times = [value / (table[-1]["milliseconds"] / 1e3) for value in random.values()]
