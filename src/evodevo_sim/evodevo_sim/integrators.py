@@ -15,13 +15,14 @@ from collections import namedtuple
 
 import numpy as np
 
-from ._jit import lean
+from ._jit import inlined, lean
 from .contact import meet, meet_flat, meet_tips
 from .energy import add_muscle_power, add_power, resistances
 from .forces import accelerations, make_scratch, set_rest_lengths
 from .physics import SOUND, UNSTABLE, copy_state
 from .stability import EULER, VERLET, is_sound
 from .terrain import FLAT, touches
+from .vectors import all_at_most, four, load4, store
 
 _SLOWEST = 1e-9  # of an interval: an adaptive step below this has failed
 _MOST_TRIES = 100_000  # of adaptive steps in an interval
@@ -99,6 +100,21 @@ def _count(mass, h, ux, uy, freely_x, freely_y, vx, vy, drag, damping, ledger):
     ledger[3] += mass * ((vx - freely_x) * mx + (vy - freely_y) * my)
 
 
+@inlined
+def _fly(a, h, ground, i, x, y, u, v):
+    """Move four cells that meet no flat ground, or none of them.  Returns: whether they are moved."""
+    step = four(h)
+    vx, vy = load4(u, i) + step * load4(a[0], i), load4(v, i) + step * load4(a[1], i)
+    there = load4(y, i) + step * vy
+    if ground and not all_at_most(four(0.0), there):
+        return False
+    store(y, i, there)
+    store(x, i, load4(x, i) + step * vx)
+    store(u, i, vx)
+    store(v, i, vy)
+    return True
+
+
 @lean
 def euler(system, t, h, position, velocity, work, ledger):
     """One symplectic step: velocities first, then what would pass the ground is put on it: see `contact`.
@@ -117,7 +133,12 @@ def euler(system, t, h, position, velocity, work, ledger):
     _accelerate(system, position, velocity, work.scratch, a)
     if tips:
         copy_state(position, velocity, before, speed)
-    for i in range(x.size):
+    alike, i = not ledger.size and (flat or not ground), -1
+    while i + 1 < x.size:
+        i += 1
+        if alike and i + 4 <= x.size and _fly(a, h, ground, i, x, y, u, v):
+            i += 3
+            continue
         vx, vy = u[i] + h * a[0, i], v[i] + h * a[1, i]
         freely_x, freely_y = vx, vy
         there = y[i] + h * vy
