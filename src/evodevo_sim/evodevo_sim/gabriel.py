@@ -11,7 +11,7 @@ import numpy as np
 from ._jit import kernel, lean
 from .gabriel_tree import TIE, tree_edges
 
-_MANY = 96  # cells, from which on a tree is faster
+_MANY = 56  # cells, from which on a tree is faster
 _FAR = 1e18  # m^2, more than any cell is outside a circle
 _DEEP = 0.05  # a witness this deep, in squares of the distance of its pair, is kept: it will do for long
 _SHARE = 0.4  # of a distance from a circle, that every cell may move; exact: 1 / (1 + sqrt 2) = 0.414

@@ -23,31 +23,40 @@ _LINES = 24  # cells, at the most, by which a search leaves out boxes
 def _plant(position):
     """(order (N,) of the cells; first, last (nodes,): ranges of it; box (nodes, 4): least x, y, largest x, y).
 
-    The children of node n are 2n + 1 and 2n + 2; those of leaves would be beyond the last node.
+    The children of node n are 2n + 1 and 2n + 2; those of leaves would be beyond the last node.  Cells are sorted once along
+    either axis; a node halves its range of one order and parts the other alike, which keeps both sorted.
     """
     cells = position.shape[0]
     inner = 1
     while inner * _LEAF < cells:
         inner *= 2
     nodes = 2 * inner - 1
-    order = np.arange(cells)
+    order, rank = np.empty((2, cells), np.int64), np.empty((2, cells), np.int64)
+    for axis in range(2):
+        order[axis] = np.argsort(position[:, axis])
+        for m in range(cells):
+            rank[axis, order[axis, m]] = m
     first, last, box = np.zeros(nodes, np.int64), np.zeros(nodes, np.int64), np.empty((nodes, 4))
+    later = np.empty(cells, np.int64)
     last[0] = cells
     for n in range(nodes):
         a, b = first[n], last[n]
-        box[n, :2], box[n, 2:] = np.inf, -np.inf
-        for m in range(a, b):
-            for axis in range(2):
-                p = position[order[m], axis]
-                box[n, axis] = min(box[n, axis], p)
-                box[n, 2 + axis] = max(box[n, 2 + axis], p)
+        for axis in range(2):
+            box[n, axis], box[n, 2 + axis] = position[order[axis, a], axis], position[order[axis, b - 1], axis]
         if 2 * n + 2 < nodes:
             axis = 0 if box[n, 2] - box[n, 0] > box[n, 3] - box[n, 1] else 1
-            part = order[a:b].copy()
-            order[a:b] = part[np.argsort(position[part, axis])]
             middle = (a + b) // 2
+            least, other, kept = rank[axis, order[axis, middle]], order[1 - axis], a
+            for m in range(a, b):
+                k = other[m]
+                if rank[axis, k] < least:
+                    other[kept] = k
+                    kept += 1
+                else:
+                    later[m - kept] = k
+            other[middle:b] = later[: b - middle]
             first[2 * n + 1], last[2 * n + 1], first[2 * n + 2], last[2 * n + 2] = a, middle, middle, b
-    return order, first, last, box
+    return order[0], first, last, box
 
 
 @lean
@@ -74,7 +83,7 @@ def _distance(x, y, box):
 
 
 @lean
-def _candidates(position, i, order, first, last, box, stack, kx, ky, found):
+def _candidates(position, i, first, last, box, stack, kx, ky, found):
     """Fill `found` with cells among which are all Gabriel neighbours of i.  Returns their number.  kx, ky: scratch."""
     x, y = position[i, 0], position[i, 1]
     count, lines, top = 0, 0, 1
@@ -90,8 +99,7 @@ def _candidates(position, i, order, first, last, box, stack, kx, ky, found):
             stack[top], stack[top + 1] = left + far, left + 1 - far
             top += 2
             continue
-        for m in range(first[n], last[n]):
-            j = order[m]
+        for j in range(first[n], last[n]):
             free = j != i
             k = 0
             while free and k < lines:
@@ -107,7 +115,7 @@ def _candidates(position, i, order, first, last, box, stack, kx, ky, found):
 
 
 @lean
-def _empty(position, i, j, order, first, last, box, stack):
+def _empty(position, i, j, first, last, box, stack):
     """Whether no third cell lies in the circle on ij."""
     xi, yi, xj, yj = position[i, 0], position[i, 1], position[j, 0], position[j, 1]
     slack = TIE * ((xi - xj) ** 2 + (yi - yj) ** 2)
@@ -127,8 +135,7 @@ def _empty(position, i, j, order, first, last, box, stack):
             stack[top], stack[top + 1] = 2 * n + 1, 2 * n + 2
             top += 2
             continue
-        for m in range(first[n], last[n]):
-            k = order[m]
+        for k in range(first[n], last[n]):
             if k != i and k != j and _inside(xi, yi, xj, yj, position[k, 0], position[k, 1]):
                 return False
     return True
@@ -139,12 +146,17 @@ def tree_edges(position, edges):
     """As `gabriel.gabriel_edges`: fill `edges` (>= 3 N, 2) of (N, 2) positions.  Returns their number."""
     cells = position.shape[0]
     order, first, last, box = _plant(position)
+    planted = position[order]  # cells of a box side by side
     stack, found, kx, ky = np.empty(128, np.int64), np.empty(cells, np.int64), np.empty(_LINES), np.empty(_LINES)
-    count = 0
+    pairs, count = np.empty(edges.shape[0], np.int64), 0
     for i in range(cells):
-        candidates = _candidates(position, i, order, first, last, box, stack, kx, ky, found)
-        for j in np.sort(found[:candidates]):
-            if j > i and _empty(position, i, j, order, first, last, box, stack):
-                edges[count, 0], edges[count, 1] = i, j
+        for m in range(_candidates(planted, i, first, last, box, stack, kx, ky, found)):
+            j = found[m]
+            if j > i and _empty(planted, i, j, first, last, box, stack):
+                a, b = order[i], order[j]
+                pairs[count] = min(a, b) * cells + max(a, b)
                 count += 1
+    pairs[:count].sort()
+    for e in range(count):
+        edges[e, 0], edges[e, 1] = pairs[e] // cells, pairs[e] % cells
     return count
