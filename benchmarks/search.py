@@ -17,10 +17,9 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
-from evodevo_ga import SCHEMES, Evolution, Settings, scheme
+from evodevo_ga import SCHEMES, Evolution, Settings, default_scheme, scheme
 from evodevo_ga.feasible import check
 from evodevo_ga.operators import scatter_scent
-from evodevo_ga.settings import DEFAULT_SCHEME
 from evodevo_sim import Evaluation, Genome, GenomeError, ParameterError, Task, evaluate, load_genome, perform, random_genome, save_genome
 from evodevo_sim.audit import audit
 from evodevo_sim.command_line import pairs
@@ -41,7 +40,7 @@ def arguments(parser: argparse.ArgumentParser) -> argparse.Namespace:
     parser.add_argument("--first", type=int, default=1, help="first seed (default %(default)s)")
     parser.add_argument("--generations", type=int, default=Settings().generations, help="of each run (default %(default)s)")
     parser.add_argument("--task", default="swim", choices=TASKS, help="what to evolve for (default %(default)s)")
-    parser.add_argument("--scheme", default=DEFAULT_SCHEME, choices=SCHEMES, help="of the search (default %(default)s); --set goes over it")
+    parser.add_argument("--scheme", choices=SCHEMES, help="of the search (default that of the task); --set goes over it")
     parser.add_argument("--start", nargs="+", default=[], metavar="FILE", help="genomes to begin from")
     parser.add_argument("--random-only", type=int, metavar="N", help="random search alone, with N evaluations of each seed")
     parser.add_argument("--workers", type=int, default=len(os.sched_getaffinity(0)), help="threads (default %(default)s)")
@@ -175,7 +174,8 @@ def main():
     try:
         of_task, of_settings = split(options.set)
         task = with_settings(default_task(options.task), of_task)
-        settings = Settings(**scheme(options.scheme, options.task) | {"generations": options.generations} | of_settings)
+        name = options.scheme or default_scheme(options.task, of_settings)
+        settings = Settings(**scheme(name, options.task) | {"generations": options.generations} | of_settings)
         start = tuple(load_genome(name) for name in options.start)
         check(task, settings, start)
     except (ParameterError, GenomeError) as error:
@@ -185,11 +185,11 @@ def main():
         for seed in range(options.first, options.first + options.seeds):
             budget = options.random_only
             if budget is None:
-                champion, one, curve = evolve(task, settings, options.scheme, seed, pool, start)
+                champion, one, curve = evolve(task, settings, name, seed, pool, start)
                 rows.append(one)
                 budget = one["evaluations"]
                 append(options.curves, options.set, CURVE, curve)
-                keep(options.genomes, options.scheme, seed, champion)
+                keep(options.genomes, name, seed, champion)
             if not options.no_random:
                 found, curve = search_at_random(task, settings, seed, budget, pool)
                 rows += found

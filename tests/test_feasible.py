@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from evodevo_ga import Settings
+from evodevo_ga import Settings, scheme
 from evodevo_ga.arguments import parse
 from evodevo_ga.feasible import check
 from evodevo_sim import ParameterError, Status, Task, evaluate, perform, random_genome, save_genome
@@ -35,7 +35,8 @@ STILL = ["--point-mutation", "0", "--crossover", "0", "--duplication", "0", "--d
         ("--scheme niches --population 14", "settings.niches is 5: give a number that divides the population of 14"),
         ("--scheme niches --elite 20", "settings.elite is 20: give less than the 20 individuals of a niche"),
         ("--scheme niches --layers 5", "settings.niches is 5 and settings.layers 5: give 1 for one of them"),
-        ("--tournament 101", "settings.tournament is 101: give no more than the population of 100"),
+        ("--tournament 21", "settings.tournament is 21: give no more than the 20 individuals of a niche"),
+        ("--scheme panmictic --tournament 101", "settings.tournament is 101: give no more than the population of 100"),
         (" ".join(STILL), "settings.point_mutation is 0, and so is every other operator"),
         (" ".join(["--scent-mutation", "1", *STILL]), "and so is every other operator"),  # a swimmer smells nothing
     ],
@@ -58,13 +59,23 @@ def test_what_can_work_is_not_refused(tmp_path):
 
 
 def test_a_scheme_sets_its_numbers_and_single_settings_go_over_it():
-    assert parse([]).settings == Settings()
+    assert parse(["--scheme", "panmictic"]).settings == Settings()
     paper = parse(["--scheme", "paper"]).settings
     assert (paper.population, paper.elite, paper.tournament, paper.crossover, paper.patience) == (100, 2, 2, 0.2, 500)
     assert (paper.point_mutation, paper.point_scale, paper.layers) == (0.1, 3.0, 1)
     assert parse(["--scheme", "paper", "--tournament", "7"]).settings.tournament == 7
     assert parse(["--scheme", "alps", "--layers", "4"]).settings.layers == 4
     assert parse(["--scheme", "paper", "--task", "chemotaxis"]).settings.point_mutation == 0.1
+
+
+def test_swimmers_have_niches_where_there_is_room():
+    def niches(*arguments):
+        return parse(arguments).settings.niches
+
+    assert niches() == niches("--population", "50") == niches("--scheme", "niches") == 5
+    assert niches("--population", "45") == niches("--population", "101") == niches("--layers", "5") == niches("--scheme", "paper") == 1
+    assert niches("--task", "walk") == niches("--task", "chemotaxis") == 1
+    assert parse(["--tournament", "3"]).settings == Settings(**scheme("niches") | {"tournament": 3})
 
 
 def test_genomes_without_units_stay_still():

@@ -4,6 +4,6 @@
 """
 
 from .evolution import Evolution, Generation, Individual, diversity
-from .settings import SCHEMES, Settings, scheme
+from .settings import SCHEMES, Settings, default_scheme, scheme
 
-__all__ = ["SCHEMES", "Evolution", "Generation", "Individual", "Settings", "diversity", "scheme"]
+__all__ = ["SCHEMES", "Evolution", "Generation", "Individual", "Settings", "default_scheme", "diversity", "scheme"]

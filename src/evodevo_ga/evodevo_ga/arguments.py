@@ -15,18 +15,18 @@ from evodevo_sim.worlds import PRESETS as WORLDS
 from evodevo_sim.worlds import with_world
 
 from .feasible import check
-from .settings import DEFAULT_SCHEME, OF_TASK, SCHEMES, Settings, scheme
+from .settings import OF_TASK, SCHEMES, Settings, default_scheme, scheme
 
 _EPILOG = """\
 examples:
   ros2 run evodevo_ga evolve
       a swimmer of up to 32 cells in one to three minutes on two cores
-  ros2 run evodevo_ga evolve --generations 2000 --cells 64 --seed 7 --out bags/long
+  ros2 run evodevo_ga evolve --generations 1000 --seed 7 --out bags/long
       a long run; Ctrl-C ends it at any time and keeps all that was done
   ros2 run evodevo_ga evolve --preset high_drag
       in a thick fluid
-  ros2 run evodevo_ga evolve --scheme niches --generations 1000
-      a search in which slender bodies, which start slowly and swim farthest, have a place of their own
+  ros2 run evodevo_ga evolve --scheme panmictic
+      one population in which all compete, instead of niches of body shapes
   ros2 run evodevo_ga evolve --task walk --world rough
       a walker on uneven ground (docs/walking.md tells the worlds)
   ros2 run evodevo_ga evolve --set scene.drag_normal=10 --set scene.drag_tangential=0.05
@@ -72,8 +72,9 @@ def parse(arguments: list[str]) -> Options:
     parser.add_argument("--quiet", action="store_true", help="no progress bar, and no table of times")
     group = parser.add_argument_group("genetic algorithm")
     group.add_argument(
-        "--scheme", default=DEFAULT_SCHEME, metavar="NAME",
-        help=f"a named set of the numbers below, which go over it: {', '.join(SCHEMES)} (default %(default)s); paper: its baseline; alps: age layers; niches: of body shapes",
+        "--scheme", metavar="NAME",
+        help=f"a named set of the numbers below, which go over it: {', '.join(SCHEMES)} (default niches for swim, of a population of 50, 55, ...; "
+        "else panmictic); paper: its baseline; alps: age layers; niches: of body shapes",
     )
     for field in dataclasses.fields(Settings):
         group.add_argument(
@@ -91,7 +92,9 @@ def parse(arguments: list[str]) -> Options:
         named = preset(given.preset) if given.preset else {}
         task = with_settings(task, {"development.max_cells": given.cells, **starts, **named, **pairs(given.set)})
         chosen = {field.name: getattr(given, field.name) for field in dataclasses.fields(Settings)}
-        settings = Settings(**scheme(given.scheme, task.name) | {n: value for n, value in chosen.items() if value is not None})
+        chosen = {name: value for name, value in chosen.items() if value is not None}
+        name = default_scheme(task.name, chosen) if given.scheme is None else given.scheme
+        settings = Settings(**scheme(name, task.name) | chosen)
         start = tuple(load_genome(_genome_file(Path(name))) for name in given.start)
         if len(start) > settings.population:
             raise ParameterError(f"--start gives {len(start)} genomes to a population of {settings.population}: give fewer")

@@ -69,9 +69,17 @@ SCHEMES: dict[str, dict[str, float]] = {
     "alps": {"layers": 5},
     "niches": {"niches": 5, "founders": 1000, "point_decades": 1.0, "tournament": 2},
 }
-DEFAULT_SCHEME = "panmictic"
+_ROOM = 10  # individuals of a niche, at the least, of which something can evolve
 # The same by task, below what a scheme says: docs/chemotaxis.md.
 OF_TASK = {"chemotaxis": {"scent_extent": 6.0, "scent_mutation": 0.25, "point_mutation": 0.015, "point_scale": 0.7}}
+
+
+def default_scheme(task: str, settings: dict[str, float] | None = None) -> str:
+    """The scheme of a search that names none: niches for swimmers, where its other settings leave them room (docs/model.md)."""
+    chosen, niches = settings or {}, SCHEMES["niches"]["niches"]
+    size, over = divmod(chosen.get("population", Settings.population), niches)
+    fits = size >= _ROOM and not over and chosen.get("layers", 1) == 1
+    return "niches" if task == "swim" and fits else "panmictic"
 
 
 def scheme(name: str, task: str = "swim") -> dict[str, float]:
