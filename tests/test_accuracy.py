@@ -16,7 +16,7 @@ from evodevo_sim.stability import RK4
 from genomes import pulsing
 from scipy.optimize import brentq
 
-CHAMPION = Path(__file__).parents[1] / "bags/sample-swim/champion.yaml"
+CHAMPIONS = Path(__file__).parents[1] / "src/evodevo_sim/champions"
 SWIM_ERROR = 5e-3  # cell diameters, after 1,000 control steps
 
 
@@ -91,10 +91,10 @@ def test_a_whole_life_is_the_same_in_every_frame():
     assert np.array_equal(here.activation, there.activation)
 
 
-@pytest.mark.parametrize("champion", [lambda: load_genome(CHAMPION), pulsing], ids=["sample", "pulsing"])
-def test_a_default_swim_is_accurate_after_1000_control_steps(champion):
-    task = with_settings(Task(), {"control_steps": 1000})
-    swims = [perform(champion(), task, finer=finer) for finer in (1, 8)]
+@pytest.mark.parametrize("name", ["undulator", "ribbon", "peristalsis", "jellyfish", "pulsing"])
+def test_a_default_swim_is_accurate_after_1000_control_steps(name):
+    task, champion = with_settings(Task(), {"control_steps": 1000}), pulsing() if name == "pulsing" else load_genome(CHAMPIONS / f"{name}.yaml")
+    swims = [perform(champion, task, finer=finer) for finer in (1, 8)]
     assert [swim.evaluation.status for swim in swims] == [Status.OK] * 2
     assert swims[1].evaluation.metrics.distance > 0.2
     off = np.hypot(*(swims[0].position[-1] - swims[1].position[-1]).T)

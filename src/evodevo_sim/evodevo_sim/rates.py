@@ -7,10 +7,10 @@ import numpy as np
 from ._jit import kernel, lean
 from .forces import Law
 
-# RK4 is stable to h * rate = 2.6 and more.  Its errors are small to 1.5 in the body's own frequency and damping, at rest, and to 1.6
+# RK4 is stable to h * rate = 2.6 and more.  Its errors are small to 1.5 in the body's own frequency and damping, at rest, and to 1.2
 # in the rate of drag, which grows with speed and would be most of the error of fast swimmers (docs/model.md).
 ACCURATE_RK4 = 1.5
-ACCURATE_DRAG = 1.6
+ACCURATE_DRAG = 1.2
 MOST_SUBSTEPS = 1000  # in a control step; a body that needs more would keep everybody waiting for hours
 
 
