@@ -3,7 +3,7 @@
 
     python benchmarks/evaluation.py [--quick] [--out DIR]
 
-The genome is the champion of bags/sample-swim, grown to several limits of cells: its muscles never rest, so no run ends early.
+The genome is that of benchmarks/swimmer.yaml, grown to several limits of cells: its muscles never rest, so no run ends early.
 Parts are timed alone on the same body and network: growth; birth (body and rest before the swim); regulation; forces, each term by
 leaving it out; checks of every control step.  What they do not explain, the arithmetic of the integrator most of all, is "rest".
 Accuracy: root mean square over cells of the distance, in cell diameters, from the same life in 32 times the substeps.

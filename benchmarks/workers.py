@@ -3,7 +3,7 @@
 
     python benchmarks/workers.py [--quick] [--out DIR]
 
-The population are mutants of the champion of bags/sample-swim.  The ways take turns.  The clock on the wall says what a second
+The population are mutants of benchmarks/swimmer.yaml.  The ways take turns.  The clock on the wall says what a second
 worker brought while other work on the machine took its share; the processors' time says what it would bring on two free cores,
 since all that workers cost each other there is time of processors.
 """

@@ -93,7 +93,8 @@ def test_a_whole_life_is_the_same_in_every_frame():
 
 @pytest.mark.parametrize("name", ["undulator", "ribbon", "peristalsis", "jellyfish", "pulsing"])
 def test_a_default_swim_is_accurate_after_1000_control_steps(name):
-    task, champion = with_settings(Task(), {"control_steps": 1000}), pulsing() if name == "pulsing" else load_genome(CHAMPIONS / f"{name}.yaml")
+    task = with_settings(Task(), {"control_steps": 1000})
+    champion = pulsing() if name == "pulsing" else load_genome(CHAMPIONS / f"{name}.yaml")
     swims = [perform(champion, task, finer=finer) for finer in (1, 8)]
     assert [swim.evaluation.status for swim in swims] == [Status.OK] * 2
     assert swims[1].evaluation.metrics.distance > 0.2

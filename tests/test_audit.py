@@ -2,12 +2,14 @@
 
 import dataclasses
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
 from evodevo_sim import Task, evaluate, perform, save_genome
 from evodevo_sim.audit import audit
 from evodevo_sim.audit_command import main
+from evodevo_sim.champion import champion_of
 from evodevo_sim.parameters import default_task, with_settings
 from evodevo_sim.recording import Recorder
 from genomes import pulsing
@@ -18,6 +20,12 @@ SHORT = {"control_steps": 400}
 @pytest.fixture(scope="module")
 def genome():
     return pulsing()
+
+
+@pytest.mark.parametrize("name", ["sample-swim", "sample-walk", "sample-chemotaxis"])
+def test_samples_are_of_the_physics_that_is(name):
+    champion = champion_of(Path(__file__).parents[1] / "bags" / name, {})
+    assert evaluate(champion.genome, champion.task, champion.seed).fitness == pytest.approx(champion.fitness, rel=1e-6)
 
 
 def test_a_finer_run_differs_in_its_steps_alone(genome):
