@@ -1,9 +1,10 @@
-"""What ROS costs: a generation through simulator nodes against the same evaluations in this process, in turns in one run.
+"""What ROS costs: generations through simulator nodes against the same evaluations in this process, in turns in one run.
 
     python benchmarks/services.py [--rounds N] [--population N] [--cells N] [--workers N]
 
-Prints seconds for a generation, the service's overhead as the median of the rounds' ratios, what share of it the messages take on
-our side, whether both gave the same bits, and the memory of a simulator node.
+A round is a generation as evolution asks for it, the next one after the last.  Prints seconds for a generation, the service's
+overhead as the median of the rounds' ratios, what share of it the messages take on our side, whether both gave the same bits, and the
+memory of a simulator node.
 """
 
 from __future__ import annotations
@@ -22,23 +23,23 @@ from evodevo_sim import Task
 from evodevo_sim.nodes.common import stay_on_this_host
 from evodevo_sim.nodes.own import OwnSimulators
 from evodevo_sim.parameters import with_settings
-from rclpy.executors import SingleThreadedExecutor
+from rclpy.experimental import EventsExecutor
 from tqdm import tqdm
 
 SEED = 1
 
 
 def evolved(task, population, generations, workers):
-    """Genomes of a population that has evolved for a while: most of them grow, some rest."""
-    evolution = Evolution(Settings(population=population, generations=generations), SEED)
+    """An evolution that has gone on for a while: most genomes grow, some rest."""
+    evolution = Evolution(Settings(population=population), SEED)
     for _ in tqdm(range(generations), desc="evolving the genomes", unit="gen", leave=False):
         evolution.tell(evaluate_all(evolution.ask(), task, SEED, workers))
-    return [one.genome for one in evolution.population]
+    return evolution
 
 
-def timed(evaluate):
-    began, before = time.perf_counter(), processor_time()
-    result = evaluate()
+def timed(evaluate, genomes):
+    before, began = processor_time(), time.perf_counter()
+    result = evaluate(genomes)
     return time.perf_counter() - began, processor_time() - before, result
 
 
@@ -48,9 +49,9 @@ def processor_time():
     return sum(process.cpu_times().user + process.cpu_times().system for process in processes)
 
 
-def watched(times, evaluate):
+def watched(times, evaluate, *given):
     with times(EVALUATION):
-        return evaluate()
+        return evaluate(*given)
 
 
 def main():
@@ -62,32 +63,41 @@ def main():
     parser.add_argument("--generations", type=int, default=12, help="evolved before measuring")
     given = parser.parse_args()
     task = with_settings(Task(), {"development.max_cells": given.cells})
-    genomes = evolved(task, given.population, given.generations, given.workers)
+    evolution = evolved(task, given.population, given.generations, given.workers)
 
     stay_on_this_host()
     rclpy.init()
-    node, executor = rclpy.create_node("benchmark"), SingleThreadedExecutor()
+    node, executor = rclpy.create_node("benchmark"), EventsExecutor()
     executor.add_node(node)
     with OwnSimulators(given.workers) as own:
         times = Times()
         fleet = Fleet(node, executor, own.services, times)
         fleet.wait(60.0, own.alive)
         ways = {
-            "in this process": lambda: evaluate_all(genomes, task, SEED, given.workers),
-            "through simulators": lambda: watched(times, lambda: fleet.evaluate(genomes, task, SEED)),
+            "in this process": lambda genomes: evaluate_all(genomes, task, SEED, given.workers),
+            "through simulators": lambda genomes: watched(times, fleet.evaluate, genomes, task, SEED),
         }
         seconds, work = {name: [] for name in ways}, dict.fromkeys(ways, 0.0)
-        results = {name: evaluate() for name, evaluate in ways.items()}  # warm
+        results = {name: evaluate(evolution.ask()) for name, evaluate in ways.items()}  # warm
+        equal, evaluated = True, 0
         for k in tqdm(range(given.rounds), desc="rounds", leave=False):
+            genomes = evolution.ask()
             for name in list(ways)[:: 1 if k % 2 else -1]:
-                took, worked, results[name] = timed(ways[name])
+                took, worked, results[name] = timed(ways[name], genomes)
                 seconds[name].append(took)
                 work[name] += worked
+            here, there = results.values()
+            equal &= here == there
+            evaluated += len(here)
+            evolution.tell(here)
         memory = [process.memory_info().rss / 2**20 for process in psutil.Process().children()]
     rclpy.try_shutdown()
 
     here, there = seconds.values()
-    print(f"{given.population} genomes of generation {given.generations}, {given.cells} cells, {given.workers} workers, {given.rounds} rounds")
+    print(
+        f"generations {given.generations + 1} to {given.generations + given.rounds} of {given.population}, "
+        f"{evaluated / given.rounds:.0f} evaluations each, {given.cells} cells, {given.workers} workers"
+    )
     for name, values in seconds.items():
         print(f"  {name:20s} {min(values):.3f} s at the least, {statistics.median(values):.3f} s in the median")
     ratio = statistics.median(b / a for a, b in zip(here, there))
@@ -97,7 +107,7 @@ def main():
     parts = times.seconds()
     share = parts[MESSAGES] / (parts[MESSAGES] + parts[EVALUATION])
     print(f"  making, sending and reading messages: {100 * share:.1f} % of a generation; the rest is waiting for simulators")
-    print(f"  equal bits: {results['in this process'] == results['through simulators']}")
+    print(f"  equal bits: {equal}")
     print(f"  memory of a simulator: {max(memory):.0f} MB")
 
 

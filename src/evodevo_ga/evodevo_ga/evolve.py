@@ -17,7 +17,7 @@ from evodevo_sim.messages import gait_message
 from evodevo_sim.nodes.common import stay_on_this_host
 from evodevo_sim.nodes.own import OwnSimulators
 from evodevo_sim.recording import Recorder, RecordingError, record_performance
-from rclpy.executors import SingleThreadedExecutor
+from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
 from tqdm import tqdm
@@ -83,7 +83,7 @@ class _Run:
         self.node = rclpy.create_node("evolve")
         self.began = time.monotonic()
         self.times = Times()
-        self.executor = SingleThreadedExecutor()
+        self.executor = EventsExecutor()
         self.executor.add_node(self.node)
         self.statistics = self.node.create_publisher(msg.GenerationStatistics, "evolution/statistics", 10)
         self.champions = self.node.create_publisher(msg.Champion, "evolution/champion", 10)

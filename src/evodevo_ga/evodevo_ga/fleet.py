@@ -14,10 +14,11 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from .times import MESSAGES, Times
 
 SERVICE_TYPE = "evodevo_msgs/srv/Evaluate"
-BATCH = 8  # genomes in a request, at the most
+BATCH = 16  # genomes in a request, at the most
 IN_FLIGHT = 2  # requests queued at a node, so that it never waits for us
 ANSWER_WITHIN = 120.0  # s for one request, and a hundred times what its steps take; a node that takes longer counts as lost
 _SLOW_STEP = 1e-3  # s
+_LOOK_EVERY = 0.1  # s, at the silent ones
 
 
 class FleetError(RuntimeError):
@@ -87,8 +88,9 @@ class Fleet:
         waiting = deque(batches(len(genomes), len(self._servers)))
         results: list[Evaluation | None] = [None] * len(genomes)
         with self._times(MESSAGES):
-            message, messages = task_message(task), [genome_message(genome) for genome in genomes]
+            message = task_message(task)
         under_way: list[_Request] = []
+        next_look = time.monotonic() + _LOOK_EVERY
         steps = task.development.steps + task.starts * (task.settling_limit + task.control_steps)
         patience = ANSWER_WITHIN + _SLOW_STEP * BATCH * IN_FLIGHT * steps
         while waiting or under_way:
@@ -98,14 +100,16 @@ class Fleet:
                 while waiting and sum(request.server is server for request in under_way) < IN_FLIGHT:
                     places = waiting.popleft()
                     with self._times(MESSAGES):
-                        future = server.call_async(Evaluate.Request(task=message, seed=seed, genomes=[messages[i] for i in places]))
+                        batch = [genome_message(genomes[i]) for i in places]
+                        future = server.call_async(Evaluate.Request(task=message, seed=seed, genomes=batch))
                     under_way.append(_Request(places, server, future, time.monotonic() + patience))
-            self._executor.spin_once(timeout_sec=0.1)
-            # Nobody is asked whether it is still there while answers come in: that looks through the whole graph.
-            answered = any(request.future.done() for request in under_way)
+            self._executor.spin_once(timeout_sec=_LOOK_EVERY)
+            # Whether those that do not answer are still there is asked now and then only: that looks through the whole graph.
+            if look := time.monotonic() >= next_look:
+                next_look = time.monotonic() + _LOOK_EVERY
             under_way = [
                 request for request in under_way
-                if answered and not request.future.done() or not self._take(request, results, waiting)
+                if not (look or request.future.done()) or not self._take(request, results, waiting)
             ]
         return results
 

@@ -43,7 +43,8 @@ class Genome:
                 arrays[name] = given.astype(dtype)
             except (TypeError, ValueError):
                 raise GenomeError(f"genome: {name} holds something that is not a number") from None
-            if given.ndim != 1 or (dtype != np.float64 and not np.array_equal(arrays[name], given)):
+            whole = dtype == np.float64 or given.dtype == dtype or np.array_equal(arrays[name], given)
+            if given.ndim != 1 or not whole:
                 raise GenomeError(f"genome: {name} must be a flat list of {'numbers' if dtype == np.float64 else 'small whole numbers'}")
         _check(**arrays)
         for name, array in arrays.items():
@@ -80,7 +81,7 @@ def _check(kind, sign, x, y):
     for bad, what in (
         (kind >= len(KINDS), f"kind is unknown: use 0 to {len(KINDS) - 1}"),
         (np.abs(sign) != 1, "sign is neither +1 nor -1"),
-        (~(np.abs(x) <= MAX_COORDINATE) | ~(np.abs(y) <= MAX_COORDINATE), f"point is not finite or beyond {MAX_COORDINATE:g}"),
+        (~(np.maximum(np.abs(x), np.abs(y)) <= MAX_COORDINATE), f"point is not finite or beyond {MAX_COORDINATE:g}"),
         ((kind == SPECIAL) != (np.arange(kind.size) < HEADER), f"special elements are the first {HEADER}, and only they"),
     ):
         if bad.any():

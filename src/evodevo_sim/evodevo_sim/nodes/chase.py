@@ -14,7 +14,7 @@ import rclpy
 from evodevo_msgs.msg import Body, CellStates
 from evodevo_msgs.srv import Load
 from geometry_msgs.msg import PoseStamped
-from rclpy.executors import SingleThreadedExecutor
+from rclpy.experimental import EventsExecutor
 from rclpy.qos import qos_profile_sensor_data
 from rclpy.signals import SignalHandlerOptions
 from tqdm import tqdm
@@ -149,7 +149,7 @@ class Chase:
     def run(self, stack) -> int:
         node = rclpy.create_node("chase")
         stack.callback(node.destroy_node)
-        executor = SingleThreadedExecutor()
+        executor = EventsExecutor()
         executor.add_node(node)
         own = None if self.given.simulator else stack.enter_context(OwnSimulators(1, owner="chase", task="chemotaxis"))
         namespace = (own.namespaces[0] if own else "/" + self.given.simulator.strip("/")).rstrip("/")
