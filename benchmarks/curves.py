@@ -85,7 +85,7 @@ def draw(curves: dict, of: str, out: str, yardstick: float | None, logarithmic: 
     axes.set_xscale("log" if logarithmic else "linear")
     axes.set_ylim(bottom=0)
     axes.spines[["top", "right"]].set_visible(False)
-    axes.legend(frameon=False, title="median and range")
+    axes.legend(frameon=False, title="median and range", loc="upper left", bbox_to_anchor=(1.0, 1.0))  # beside: curves end anywhere
     figure.savefig(out, dpi=120)
     plt.close(figure)
 
