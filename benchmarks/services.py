@@ -2,9 +2,9 @@
 
     python benchmarks/services.py [--rounds N] [--population N] [--cells N] [--workers N]
 
-A round is a generation as evolution asks for it, the next one after the last.  Prints seconds for a generation, the service's
-overhead as the median of the rounds' ratios, what share of it the messages take on our side, whether both gave the same bits, and the
-memory of a simulator node.
+A round is a generation as a search in one population asks for it, the next one after the last.  Prints seconds for a
+generation, the service's overhead as the median of the rounds' ratios, what share of it the messages take on our side, whether both gave
+the same bits, and the memory of a simulator node.
 """
 
 from __future__ import annotations
