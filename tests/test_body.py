@@ -58,11 +58,22 @@ def count_bridges(cells, edges):
 
 @settings(max_examples=30, deadline=None)
 @given(st.integers(2, 40), st.integers(0, 2**32))
-def test_springs_are_the_edges_with_their_lengths(cells, seed):
+def test_springs_are_the_edges_with_their_lengths_in_turn(cells, seed):
     position = np.random.default_rng(seed).uniform(-4, 4, (cells, 2))
     body, edges = body_of(position), gabriel_graph(position)
-    assert np.array_equal(np.column_stack((body.spring_a, body.spring_b)), edges)
-    assert body.rest_length == pytest.approx(np.linalg.norm(position[edges[:, 0]] - position[edges[:, 1]], axis=1))
+    springs = np.column_stack((body.spring_a, body.spring_b))
+    assert np.array_equal(springs[np.lexsort(springs.T[::-1])], edges)
+    assert body.rest_length == pytest.approx(np.linalg.norm(position[springs[:, 0]] - position[springs[:, 1]], axis=1))
+    for cell in range(cells):  # sums over the springs of a cell have the bits of the ascending order
+        own = springs[(springs == cell).any(1)]
+        assert np.array_equal(own, own[np.lexsort(own.T[::-1])])
+
+
+def test_springs_that_follow_each_other_seldom_share_a_cell():
+    body = body_of(np.random.default_rng(1).uniform(-4, 4, (64, 2)))
+    springs = np.column_stack((body.spring_a, body.spring_b))
+    meet = (springs[1:, :, None] == springs[:-1, None, :]).any((1, 2))
+    assert meet.mean() < 0.1
 
 
 @settings(max_examples=30, deadline=None)

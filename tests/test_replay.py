@@ -83,7 +83,8 @@ def test_a_life_comes_back_as_arrays(bags):
     assert np.array_equal(life.position, performance.position) and np.array_equal(life.activation, performance.activation)
     assert [len(pose.position) for pose in life.growth] == np.isfinite(performance.growth[..., 0]).sum(axis=1).tolist()
     assert all(np.array_equal(a, b) for a, b in zip(life.growth_springs, performance.growth_edges, strict=True))
-    assert np.array_equal(life.springs, performance.growth_edges[-1]) and np.array_equal(life.outline, performance.body.outline)
+    assert np.array_equal(life.springs, np.column_stack((performance.body.spring_a, performance.body.spring_b)))
+    assert np.array_equal(life.outline, performance.body.outline)
     assert len(life.chambers) == performance.evaluation.metrics.chambers
     assert life.time[0] > life.growth_time[-1]
 

@@ -10,7 +10,8 @@ from ._jit import kernel, lean
 
 # Indices are unsigned 32-bit: the force loop runs a fifth faster than with signed ones.
 #   position (N, 2) m at rest; inverse_mass (N,) 1/kg
-#   spring_a, spring_b (E,): cells of every spring, a < b, ascending; rest_length (E,) m at zero activation; shortest: of them
+#   spring_a, spring_b (E,): cells of every spring, a < b, in the order of `_in_turn`; rest_length (E,) m at zero activation;
+#   shortest: of them
 #   spring_left, spring_right (E,): the chambers on both sides of a spring on its way from a to b, or the number of chambers
 #   triangle (T, 3) counter-clockwise, triangle_area (T,) m^2 at rest: the first chambers
 #   polygon_start (P + 1,), polygon_cell, polygon_area (P,): the chambers of more than three corners follow
@@ -83,6 +84,21 @@ def _find(edges, i, j):
         else:
             high = middle
     return low
+
+
+@kernel
+def _in_turn(edges, cells):
+    """An order of edges, given in ascending order, in which neighbours share no cell where that can be.
+
+    Each adds to the forces on its cells what must wait for the sum so far: in ascending order, most of them would wait for the
+    one before.  The edges of one cell keep their order, so no sum changes by one bit.  Returns: (E,), from places to edges.
+    """
+    turns, turn = np.zeros(cells, np.int64), np.empty(edges.shape[0], np.int64)
+    for e in range(turn.size):
+        i, j = edges[e, 0], edges[e, 1]
+        turn[e] = max(turns[i], turns[j])
+        turns[i] = turns[j] = turn[e] + 1
+    return np.argsort(turn, kind="mergesort")
 
 
 @kernel
@@ -166,7 +182,12 @@ def build_body(position, edges, start, neighbour, mass):
                 triangles += 1
             else:
                 polygons += 1
+    order = _in_turn(edges, cells)
+    place = np.empty(springs, np.uint32)
+    for k in range(springs):
+        place[order[k]] = k
     return Body(
-        position.copy(), np.full(cells, 1.0 / mass), spring_a, spring_b, rest_length, shortest, spring_left, spring_right,
-        triangle, triangle_area, polygon_start, polygon_cell, polygon_area, outline[:count].copy(), outline_spring[:count].copy(),
+        position.copy(), np.full(cells, 1.0 / mass), spring_a[order], spring_b[order], rest_length[order], shortest, spring_left[order],
+        spring_right[order], triangle, triangle_area, polygon_start, polygon_cell, polygon_area, outline[:count].copy(),
+        place[outline_spring[:count]],
     )

@@ -131,7 +131,8 @@ def make_own_body(document: dict) -> OwnBody:
     body = build_body(position, edges, start, neighbour, 1.0)._replace(inverse_mass=1.0 / mass)
     body = _with_chambers(body, document.get("chambers", "faces"), edges)
     if document.get("rest_length") is not None:
-        rest_length = _numbers(document, "rest_length", len(edges), "spring")[order]
+        rest_length = np.empty(len(edges))
+        rest_length[np.lexsort((body.spring_b, body.spring_a))] = _numbers(document, "rest_length", len(edges), "spring")[order]
         body = body._replace(rest_length=rest_length, shortest=float(rest_length.min(initial=np.inf)))
     return OwnBody(body, velocity, stuff, amplitude, frequency, phase, scene)
 

@@ -41,10 +41,11 @@ def make_plan(body):
     cells, springs, triangles, outline = body.inverse_mass.size, body.rest_length.size, body.triangle_area.size, body.outline_spring.size
     filler, polygons = padded4(cells), padded4(triangles)
     outside = polygons + body.polygon_area.size
+    room = padded4(springs) + 4
     first, second, third = 4 * filler, 4 * filler + 4, 4 * filler + 8
     plan = Plan(
-        np.full(padded4(springs + 1), first, np.uint32), np.full(padded4(springs + 1), second, np.uint32),
-        np.full(padded4(springs + 1), outside, np.uint32), np.full(padded4(springs + 1), outside, np.uint32),
+        np.full(room, first, np.uint32), np.full(room, second, np.uint32),
+        np.full(room, outside, np.uint32), np.full(room, outside, np.uint32),
         np.full(polygons, first, np.uint32), np.full(polygons, second, np.uint32), np.full(polygons, third, np.uint32), np.ones(polygons),
         np.full(padded4(outline), springs, np.uint32), np.full(padded4(outline), first, np.uint32),
         np.full(padded4(outline), second, np.uint32), np.zeros(filler),
@@ -150,11 +151,10 @@ def accelerate(body, law, rest, scratch, out):
     else:
         for c in range(scratch.push.size):
             scratch.push[c] = 0.0
-    _pull(law, rest, scratch)
     zero, force = four(0.0), scratch.force
     for i in range(0, force.size, 4):
         store(force, i, zero)
-    _hand_out(scratch)
+    _pull(law, rest, scratch)
     if law.drag_normal != 0.0 or law.drag_tangential != 0.0:
         _drag(law, scratch)
     for i in range(0, out.shape[1], 4):
@@ -235,31 +235,28 @@ def _take(force, cell, e, vector):
 
 
 @inlined
-def _pull(law, rest, scratch):
-    """Springs and dampers, per length of the spring, and what the other laws need of every edge."""
-    state, start, end = scratch.state, scratch.plan.start, scratch.plan.end
-    stiffness, damping, one = four(law.stiffness), four(law.damping), four(1.0)
-    for e in range(0, rest.size, 4):
-        a, b = span(state, start, end, e), span(state, start, end, e + 1)
-        c, d = span(state, start, end, e + 2), span(state, start, end, e + 3)
-        dx, dy, du, dv = transpose(a, b, c, d)
-        inverse = one / root(dx * dx + dy * dy)
-        square = inverse * inverse
-        store(scratch.dx, e, dx)
-        store(scratch.dy, e, dy)
-        store(scratch.inverse_square, e, square)
-        store(scratch.pull, e, stiffness * (one - load4_within(rest, e) * inverse) + damping * square * (du * dx + dv * dy))
+def _stretch(state, start, end, e):
+    """Of four edges from the e-th on: dx, dy, length, and how fast they grow times their length."""
+    a, b = span(state, start, end, e), span(state, start, end, e + 1)
+    c, d = span(state, start, end, e + 2), span(state, start, end, e + 3)
+    dx, dy, du, dv = transpose(a, b, c, d)
+    return dx, dy, root(dx * dx + dy * dy), du * dx + dv * dy
 
 
 @inlined
-def _hand_out(scratch):
-    """Hand springs' and chambers' forces to both ends of every edge."""
-    plan, push, force = scratch.plan, scratch.push, scratch.force
+def _pull(law, rest, scratch):
+    plan, push, force, state = scratch.plan, scratch.push, scratch.force, scratch.state
     start, end = plan.start, plan.end
-    for e in range(0, start.size, 4):
-        dx, dy, pull = load4(scratch.dx, e), load4(scratch.dy, e), load4(scratch.pull, e)
+    stiffness, damping, one = four(law.stiffness), four(law.damping), four(1.0)
+    dx0, dy0, length0, growth0 = _stretch(state, start, end, 0)
+    for e in range(0, rest.size, 4):
+        dx1, dy1, length1, growth1 = _stretch(state, start, end, e + 4)
+        inverse = one / length0
+        square = inverse * inverse
+        store(scratch.inverse_square, e, square)
+        pull = stiffness * (one - load4_within(rest, e) * inverse) + damping * square * growth0
         across = _numbers(push, plan.right, e) - _numbers(push, plan.left, e)
-        along_x, along_y, across_x, across_y = pull * dx, pull * dy, across * dy, across * dx
+        along_x, along_y, across_x, across_y = pull * dx0, pull * dy0, across * dy0, across * dx0
         x, y = along_x - across_x, along_y + across_y
         even, odd = even_pairs(x, y), odd_pairs(x, y)
         x, y = along_x + across_x, along_y - across_y
@@ -272,6 +269,7 @@ def _hand_out(scratch):
         _take(force, end, e + 2, high(even_end))
         _add(force, start, e + 3, high(odd))
         _take(force, end, e + 3, high(odd_end))
+        dx0, dy0, length0, growth0 = dx1, dy1, length1, growth1
 
 
 @inlined
