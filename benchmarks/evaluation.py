@@ -5,7 +5,8 @@
 
 The genome is that of benchmarks/swimmer.yaml, grown to several limits of cells: its muscles never rest, so no run ends early.
 Parts are timed alone on the same body and network: growth; birth (body and rest before the swim); regulation; forces, each term by
-leaving it out; checks of every control step.  What they do not explain, the arithmetic of the integrator most of all, is "rest".
+leaving it out; checks of every substep; the last two for as many substeps as that swim takes in the mean.  What they do not explain,
+the arithmetic of the integrator most of all, is "rest".
 Accuracy: root mean square over cells of the distance, in cell diameters, from the same life in 32 times the substeps.
 """
 
@@ -22,7 +23,7 @@ from evodevo_sim.life import birth, develop
 from evodevo_sim.parameters import default_task, with_settings
 from evodevo_sim.scent import make_signals
 from evodevo_sim.swim import swim
-from kernels import many_accelerations, many_checks, many_regulations
+from kernels import many_accelerations, many_checks, many_regulations, mean_substeps
 
 PART = "evaluation"
 NOBODY = np.empty((0, 0, 0)), np.empty((0, 0)), np.empty((0, 0, 0), np.int64)
@@ -51,6 +52,8 @@ def measure(cells, genome, rounds):
     task = Task(development=Development(max_cells=cells))
     genes, _, development, continual, material, scene, given = kernel_arguments(genome, task)
     life = life_of(genome, task)
+    substeps = mean_substeps(life, task.control_steps, task.control_step, development, continual)
+    life = life_of(genome, task)
     life.velocity[:] = 0.1 * np.random.default_rng(0).standard_normal(life.velocity.shape)
     out = np.empty_like(life.velocity)
 
@@ -69,35 +72,54 @@ def measure(cells, genome, rounds):
         "growth": lambda: develop(genes, development, continual, given, *NOBODY),
         "birth": lambda: birth(genes, development, continual, material, scene, given, task.control_step, 1),
         "regulation": regulation,
-        "checks": lambda: many_checks(life.body, life.position, life.velocity, 1e-3, CALLS),
+        "checks": lambda: many_checks(life.body, life.position, life.velocity, 1e-3, life.scratch, CALLS),
         "forces": forces(life.law),
         **{f"without {term}": forces(life.law._replace(**changes)) for term, changes in TERMS.items()},
     }, rounds, f"evaluations at {cells} cells"))
-    steps, calls = task.control_steps, 4 * life.substeps * task.control_steps
+    steps = substeps * task.control_steps
+    calls = 4 * steps
     force = seconds["forces"] / CALLS
     part = {"growth": seconds["growth"], "birth": max(seconds["birth"] - seconds["growth"], 0.0)}
     part |= {"regulation": seconds["regulation"], "checks": seconds["checks"] / CALLS * steps}
     part |= {term: max(force - seconds[f"without {term}"] / CALLS, 0.0) * calls for term in TERMS}
     part["springs"] = force * calls - sum(part[term] for term in TERMS)
     part["rest"] = seconds["whole"] - sum(part.values())
-    about = {"cells": cells, "substeps": life.substeps, "nodes": life.network.nodes.size, "milliseconds": 1e3 * seconds["whole"]}
+    about = {"cells": cells, "substeps": substeps, "nodes": life.network.nodes.size, "milliseconds": 1e3 * seconds["whole"]}
     return about | {f"{name}, %": 100 * part[name] / seconds["whole"] for name in SHARES}
+
+
+def errors_of(genome, task, finer, horizon, finest):
+    """Errors after `horizon` control steps in some times the substeps, and the substeps of a control step, in the mean, in the default."""
+    short = dataclasses.replace(task, control_steps=horizon)
+    exact = perform(genome, short, finer=finest).position[-1]
+    positions = (perform(genome, short, finer=f).position[-1] for f in finer)
+    errors = [float(np.sqrt(((position - exact) ** 2).sum(-1).mean())) for position in positions]
+    _, _, development, continual, *_ = kernel_arguments(genome, task)
+    return errors, mean_substeps(life_of(genome, task), horizon, task.control_step, development, continual)
 
 
 def accuracy(genome, cells, rounds, horizon, finest):
     """Rows: milliseconds of an evaluation, and its error after `horizon` control steps, in more and more substeps."""
     task = Task(development=Development(max_cells=cells))
-    short = dataclasses.replace(task, control_steps=horizon)
-    exact = perform(genome, short, finer=finest).position[-1]
     finer = [2**k for k in range(int(np.log2(finest)) - 1)]
     arguments = kernel_arguments(genome, task)
     seconds = best(race({f: lambda f=f: swim(*arguments, f, make_signals(), *NO_TRACK) for f in finer}, rounds, "accuracy"))
+    errors, substeps = errors_of(genome, task, finer, horizon, finest)
+    return [
+        {"cells": cells, "finer": f, "substeps": f * substeps, "error": error, "milliseconds": 1e3 * seconds[f]}
+        for f, error in zip(finer, errors)
+    ]
+
+
+def crowd(cells, count, rounds):
+    """The same in the default steps for random genomes that never rest, a row for each."""
+    task = Task(development=Development(max_cells=cells))
+    genomes = lively(task, count)
+    seconds = best(race({k: lambda genome=genome: evaluate(genome, task) for k, genome in enumerate(genomes)}, rounds, "random genomes"))
     rows = []
-    for f in finer:
-        performance = perform(genome, short, finer=f)
-        error = np.sqrt(((performance.position[-1] - exact) ** 2).sum(-1).mean())
-        rows.append({"cells": cells, "finer": f, "substeps": performance.evaluation.metrics.substeps, "error": float(error),
-                     "milliseconds": 1e3 * seconds[f]})
+    for k, genome in enumerate(genomes):
+        (error,), substeps = errors_of(genome, task, (1,), HORIZON, FINEST)
+        rows.append({"genome": k, "substeps": substeps, "error": error, "milliseconds": 1e3 * seconds[k]})
     return rows
 
 
@@ -146,21 +168,23 @@ def run(effort, out):
     for cells in dict.fromkeys(row["cells"] for row in errors):
         mine = [row for row in errors if row["cells"] == cells]
         error, substeps = mine[0]["error"], mine[0]["substeps"]
-        what = f"{cells} cells: error in the default {substeps} substeps"
+        what = f"{cells} cells: the champion's error in the default {substeps:.1f} substeps"
         figures.append(Figure(PART, what, f"{error:.1e}", "<= 5e-3", error <= 5e-3))
         for most, milliseconds in LIMITS:
             row = next((row for row in mine if row["error"] <= most), None)
             if row:
-                text = f"{row['milliseconds']:.1f} ms at {row['error']:.1e}, in {row['substeps']} substeps"
+                text = f"{row['milliseconds']:.1f} ms at {row['error']:.1e}, in {row['substeps']:.1f} substeps"
                 asked = (f"<= {milliseconds:g} ms", row["milliseconds"] <= milliseconds) if cells == 64 else ()
-                figures.append(Figure(PART, f"{cells} cells: evaluation with an error <= {most:g}", text, *asked))
+                figures.append(Figure(PART, f"{cells} cells: the champion's evaluation with an error <= {most:g}", text, *asked))
     if effort == FULL:
         figures += others(rounds)
-        task = Task(development=Development(max_cells=64))
-        random = best(race({k: lambda g=g: evaluate(g, task) for k, g in enumerate(lively(task, 4))}, 7, "random genomes"))
-        times = [value / (table[-1]["milliseconds"] / 1e3) for value in random.values()]
-        text = f"{min(times):.2f} to {max(times):.2f}"
-        figures.append(Figure(PART, "64 cells: time of random genomes that never rest over the champion's", text))
+        rows = crowd(64, 10, 7)
+        write_csv(out / "evaluation_random.csv", rows)
+        times, worst = np.array([row["milliseconds"] for row in rows]), max(row["error"] for row in rows)
+        text = f"{np.median(times):.1f} ms in the median, {times.min():.1f} to {times.max():.1f}, at {worst:.1e} and less"
+        (most, asked), _ = LIMITS
+        met = bool(np.median(times) <= asked and worst <= most)
+        figures.append(Figure(PART, f"64 cells: {len(rows)} random genomes that never rest, error <= {most:g}", text, f"<= {asked:g} ms", met))
     return figures
 
 

@@ -8,7 +8,9 @@ from evodevo_sim._jit import kernel, lean
 from evodevo_sim.forces import accelerations
 from evodevo_sim.gabriel import follow
 from evodevo_sim.integrators import carry, carry_adaptively, set_muscles
-from evodevo_sim.physics import check
+from evodevo_sim.life import think
+from evodevo_sim.physics import advance, judge
+from evodevo_sim.rates import find_drag_rate, substeps_at_rate
 from evodevo_sim.regulation import exchange, regulate
 from evodevo_sim.scent import Signals
 from evodevo_sim.stability import ADAPTIVE
@@ -22,10 +24,10 @@ def many_accelerations(body, law, rest, position, velocity, scratch, out, calls)
 
 
 @lean
-def many_checks(body, position, velocity, h, calls):
+def many_checks(body, position, velocity, h, scratch, calls):
     outcome = 0
     for _ in range(calls):
-        outcome += check(body, position, velocity, h)
+        outcome += judge(body, position, velocity, h, scratch)
     return outcome
 
 
@@ -108,3 +110,16 @@ def live_on(life, steps, seconds, development, continual):
         if step < steps and rested < 0:
             rested = step
     return status, rested
+
+
+@lean
+def mean_substeps(life, steps, seconds, development, continual):
+    """Substeps of a control step in a swim from birth, the mean of so many control steps.  No early end, no ladder."""
+    total, body, law, scratch = 0, life.body, life.law, life.scratch
+    find_drag_rate(body, law, life.position, life.velocity, scratch)
+    for step in range(steps):
+        think(life, step, development, continual)
+        substeps = substeps_at_rate(seconds, life.substeps, scratch)
+        total += substeps
+        advance(body, law, life.rest, life.position, life.velocity, seconds, substeps, scratch)
+    return total / steps
