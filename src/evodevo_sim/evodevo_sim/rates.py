@@ -7,10 +7,12 @@ import numpy as np
 from ._jit import kernel, lean
 from .forces import Law
 
-# RK4 is stable to h * rate = 2.6 and more.  Its errors are small to 1.5 in the body's own frequency and damping, at rest, and to 1.2
-# in the rate of drag, which grows with speed and would be most of the error of fast swimmers (docs/model.md).
+# RK4 is stable to h * rate = 2.6 and more.  Its errors are small to 1.5 in the body's own frequency and damping, at rest, and to 1.6
+# in the rate of drag, which grows with speed.  Both at once are too much for one substep: beyond 1.2 in drag it takes two, which
+# follow the body twice as closely (docs/model.md).
 ACCURATE_RK4 = 1.5
-ACCURATE_DRAG = 1.2
+ACCURATE_DRAG = 1.6
+_LONE_DRAG = 1.2
 MOST_SUBSTEPS = 1000  # in a control step; a body that needs more would keep everybody waiting for hours
 
 
@@ -117,7 +119,8 @@ def substeps_in_drag(body, law, position, velocity, control_step, substeps, scra
 @lean
 def substeps_at_rate(control_step, substeps, scratch):
     """The same for a rate of drag that scratch holds already."""
-    need = control_step * scratch.rate[0] / ACCURATE_DRAG
+    drag = control_step * scratch.rate[0]
+    need = max(drag / ACCURATE_DRAG, 2.0 if drag > _LONE_DRAG else 1.0)
     if need > substeps:
         return int(np.ceil(min(need, MOST_SUBSTEPS)))
     return substeps
