@@ -42,9 +42,9 @@ OTHERS = (
 )
 
 
-def life_of(genome, task):
+def life_of(genome, task, finer=1):
     genes, _, development, continual, material, scene, given = kernel_arguments(genome, task)
-    return birth(genes, development, continual, material, scene, given, task.control_step, 1)[1]
+    return birth(genes, development, continual, material, scene, given, task.control_step, finer)[1]
 
 
 def measure(cells, genome, rounds):
@@ -89,25 +89,25 @@ def measure(cells, genome, rounds):
 
 
 def errors_of(genome, task, finer, horizon, finest):
-    """Errors after `horizon` control steps in some times the substeps, and the substeps of a control step, in the mean, in the default."""
+    """Errors after `horizon` control steps in some times the substeps, and the substeps of a control step in the mean: a list of each."""
     short = dataclasses.replace(task, control_steps=horizon)
     exact = perform(genome, short, finer=finest).position[-1]
     positions = (perform(genome, short, finer=f).position[-1] for f in finer)
     errors = [float(np.sqrt(((position - exact) ** 2).sum(-1).mean())) for position in positions]
     _, _, development, continual, *_ = kernel_arguments(genome, task)
-    return errors, mean_substeps(life_of(genome, task), horizon, task.control_step, development, continual)
+    return errors, [mean_substeps(life_of(genome, task, f), horizon, task.control_step, development, continual) for f in finer]
 
 
 def accuracy(genome, cells, rounds, horizon, finest):
     """Rows: milliseconds of an evaluation, and its error after `horizon` control steps, in more and more substeps."""
     task = Task(development=Development(max_cells=cells))
-    finer = [2**k for k in range(int(np.log2(finest)) - 1)]
+    finer = [1, 1.25] + [2**k for k in range(1, int(np.log2(finest)) - 1)]
     arguments = kernel_arguments(genome, task)
     seconds = best(race({f: lambda f=f: swim(*arguments, f, make_signals(), *NO_TRACK) for f in finer}, rounds, "accuracy"))
     errors, substeps = errors_of(genome, task, finer, horizon, finest)
     return [
-        {"cells": cells, "finer": f, "substeps": f * substeps, "error": error, "milliseconds": 1e3 * seconds[f]}
-        for f, error in zip(finer, errors)
+        {"cells": cells, "finer": f, "substeps": mean, "error": error, "milliseconds": 1e3 * seconds[f]}
+        for f, mean, error in zip(finer, substeps, errors)
     ]
 
 
@@ -118,7 +118,7 @@ def crowd(cells, count, rounds):
     seconds = best(race({k: lambda genome=genome: evaluate(genome, task) for k, genome in enumerate(genomes)}, rounds, "random genomes"))
     rows = []
     for k, genome in enumerate(genomes):
-        (error,), substeps = errors_of(genome, task, (1,), HORIZON, FINEST)
+        (error,), (substeps,) = errors_of(genome, task, (1,), HORIZON, FINEST)
         rows.append({"genome": k, "substeps": substeps, "error": error, "milliseconds": 1e3 * seconds[k]})
     return rows
 

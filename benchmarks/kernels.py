@@ -119,7 +119,7 @@ def mean_substeps(life, steps, seconds, development, continual):
     find_drag_rate(body, law, life.position, life.velocity, scratch)
     for step in range(steps):
         think(life, step, development, continual)
-        substeps = substeps_at_rate(seconds, life.substeps, scratch)
+        substeps = int(np.ceil(life.finer * substeps_at_rate(seconds, life.substeps, scratch)))
         total += substeps
         advance(body, law, life.rest, life.position, life.velocity, seconds, substeps, scratch)
     return total / steps

@@ -69,7 +69,7 @@ def invalid(cause: str) -> Evaluation:
     return failure(Status.INVALID_GENOME, Metrics(), cause=cause)
 
 
-def perform(genome: Genome, task: Task = Task(), seed: int = 0, finer: int = 1) -> Performance:
+def perform(genome: Genome, task: Task = Task(), seed: int = 0, finer: float = 1) -> Performance:
     """Evaluate a genome with everything kept, to record, draw or analyse.  Args: finer: times as many substeps, for an audit."""
     arguments = kernel_arguments(genome, task)
     development = task.development

@@ -67,7 +67,7 @@ def develop(genome, development, continual, given_inputs, history, activations, 
 def birth(genome, development, continual, material, scene, given_inputs, control_step, finer):
     """Grow a genome and bring its body to rest with the muscles where its network holds them.
 
-    Args: finer: times as many substeps as are stable; 1 but for an audit.
+    Args: finer: times as many substeps as are chosen, rounded up; 1 but for an audit.
 
     Returns: (OK, NO_GROWTH, NO_CHAMBER, or UNSTABLE_PHYSICS where it needs more than MOST_SUBSTEPS; Life, which moves only if OK).
     """
@@ -93,7 +93,7 @@ def birth(genome, development, continual, material, scene, given_inputs, control
         body, law, network, units, embryo.table, past, embryo.delay, embryo.start, embryo.neighbour, embryo.steps,
         aligned(network.nodes.size, cells), spread, np.empty(cells), np.empty(body.rest_length.size),
         body.position.T.copy(), np.zeros((2, cells)), make_scratch(body),
-        substeps, finer,
+        substeps, float(finer),
     )
     if status == OK:
         for i in range(cells):

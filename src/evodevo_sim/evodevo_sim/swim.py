@@ -50,7 +50,7 @@ def live(life, step, until, seconds, development, continual, signals, range_of_m
         think(life, step, development, continual)
         if signals.noise.size:
             disturb(life, signals, step)
-        substeps = life.finer * substeps_at_rate(seconds, life.substeps, scratch)
+        substeps = int(np.ceil(life.finer * substeps_at_rate(seconds, life.substeps, scratch)))
         outcome = advance(body, law, rest, position, velocity, seconds, substeps, scratch)
         if outcome != SOUND:
             return (INVERTED_CHAMBER if outcome == INVERTED else UNSTABLE_PHYSICS), step
