@@ -88,7 +88,7 @@ def _find(edges, i, j):
 
 @kernel
 def _in_turn(edges, cells):
-    """An order of edges, given in ascending order, in which neighbours share no cell where that can be.
+    """An order of edges (E, 2), given in ascending order, in which those that follow each other seldom share a cell.
 
     Each adds to the forces on its cells what must wait for the sum so far: in ascending order, most of them would wait for the
     one before.  The edges of one cell keep their order, so no sum changes by one bit.  Returns: (E,), from places to edges.

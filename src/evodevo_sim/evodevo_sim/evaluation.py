@@ -70,7 +70,7 @@ def invalid(cause: str) -> Evaluation:
 
 
 def perform(genome: Genome, task: Task = Task(), seed: int = 0, finer: float = 1) -> Performance:
-    """Evaluate a genome with everything kept, to record, draw or analyse.  Args: finer: times as many substeps, for an audit."""
+    """Evaluate a genome with everything kept, to record, draw or analyse.  Args: finer: times as many substeps, rounded up."""
     arguments = kernel_arguments(genome, task)
     development = task.development
     shape = (development.steps + 1, development.max_cells)

@@ -24,10 +24,10 @@ Law = namedtuple("Law", "stiffness damping pressure drag_normal drag_tangential"
 # outside; corner_a, _b, _c, area: triangles; outline, outline_start, outline_end: its springs and their cells.
 Plan = namedtuple("Plan", "start end left right corner_a corner_b corner_c area outline outline_start outline_end inverse_mass")
 # Scratch of the integrator: states and their derivatives, (2, N) each; of the forces, by place in the plan: state, x, y, u, v of each
-# cell; dx, dy of each spring, inverse_square, 1/length^2, and pull, tension per length; push, half of c_p (1 - S/S0) of each
-# chamber; force, x, y and room for two more; and what `advance` leaves: rate (1,) 1/s, the rate of drag in its last state.
+# cell; inverse_square, 1/length^2 of each spring; push, half of c_p (1 - S/S0) of each chamber; force, x, y and room for two more;
+# and what `advance` leaves: rate (1,) 1/s, the rate of drag in its last state.
 Scratch = namedtuple(
-    "Scratch", "position velocity k1 k2 k3 k4 start_position start_velocity plan state dx dy inverse_square pull push force rate",
+    "Scratch", "position velocity k1 k2 k3 k4 start_position start_velocity plan state inverse_square push force rate",
 )
 
 
@@ -41,7 +41,7 @@ def make_plan(body):
     cells, springs, triangles, outline = body.inverse_mass.size, body.rest_length.size, body.triangle_area.size, body.outline_spring.size
     filler, polygons = padded4(cells), padded4(triangles)
     outside = polygons + body.polygon_area.size
-    room = padded4(springs) + 4
+    room = padded4(springs) + 4  # `_pull` looks at a four beyond the last
     first, second, third = 4 * filler, 4 * filler + 4, 4 * filler + 8
     plan = Plan(
         np.full(room, first, np.uint32), np.full(room, second, np.uint32),
@@ -69,13 +69,12 @@ def make_plan(body):
 @kernel
 def make_scratch(body):
     plan, shape = make_plan(body), (2, body.position.shape[0])
-    filler, springs, outside = plan.inverse_mass.size, plan.start.size, plan.area.size + body.polygon_area.size
+    filler, outside = plan.inverse_mass.size, plan.area.size + body.polygon_area.size
     state = np.zeros(4 * (filler + 3))
     state[4 * (filler + 1)], state[4 * (filler + 2) + 1] = 1.0, 1.0  # x of the second cell that fills up, y of the third
     return Scratch(
         np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape),
-        np.empty(shape), plan, state, np.zeros(springs), np.zeros(springs), np.zeros(springs), np.zeros(springs), np.zeros(outside + 1),
-        np.empty(state.size), np.zeros(1),
+        np.empty(shape), plan, state, np.zeros(plan.start.size), np.zeros(outside + 1), np.empty(state.size), np.zeros(1),
     )
 
 
@@ -236,7 +235,7 @@ def _take(force, cell, e, vector):
 
 @inlined
 def _stretch(state, start, end, e):
-    """Of four edges from the e-th on: dx, dy, length, and how fast they grow times their length."""
+    """Of four edges from the e-th on: dx, dy, length (m), and length times the rate at which it grows (m^2/s)."""
     a, b = span(state, start, end, e), span(state, start, end, e + 1)
     c, d = span(state, start, end, e + 2), span(state, start, end, e + 3)
     dx, dy, du, dv = transpose(a, b, c, d)
@@ -245,6 +244,10 @@ def _stretch(state, start, end, e):
 
 @inlined
 def _pull(law, rest, scratch):
+    """Springs, dampers and chambers: force along and across every edge, to both its ends; and 1/length^2, which drag needs.
+
+    Each four is measured a turn before it is handed out: the processor takes its roots meanwhile.
+    """
     plan, push, force, state = scratch.plan, scratch.push, scratch.force, scratch.state
     start, end = plan.start, plan.end
     stiffness, damping, one = four(law.stiffness), four(law.damping), four(1.0)

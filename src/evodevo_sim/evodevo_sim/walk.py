@@ -58,7 +58,7 @@ def hatch(genome, development, continual, material, scene, terrain, given_inputs
         life.body, life.law, scene.gravity, scene.friction, True, terrain, none, none, none, life.muscle, life.rest
     )
     work = Work(life.scratch, np.empty((0, 2, cells)), np.empty((1, 2, cells)), np.zeros(4))
-    steps = finer * choose_walk_steps(system, control_step) if status == OK else 0
+    steps = int(np.ceil(finer * choose_walk_steps(system, control_step))) if status == OK else 0
     return status, Walker(life, system, work, steps, life.position.copy(), ledger)
 
 
