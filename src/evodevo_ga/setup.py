@@ -1,17 +1,26 @@
+from glob import glob
+from xml.etree import ElementTree
+
 from setuptools import find_packages, setup
 
 package_name = "evodevo_ga"
 
 setup(
     name=package_name,
-    version="0.1.0",
+    version=ElementTree.parse("package.xml").findtext("version"),
     packages=find_packages(exclude=["test"]),
+    package_data={package_name: ["py.typed"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
         (f"share/{package_name}", ["package.xml"]),
+        (f"share/{package_name}/launch", sorted(glob("launch/*.launch.py"))),
     ],
-    install_requires=["setuptools"],
-    extras_require={"test": ["pytest"]},
+    install_requires=["numpy>=2", "evodevo_sim"],
+    extras_require={
+        "ros": ["evodevo_sim[gaits,ros,view]", "psutil"],
+        "test": ["pytest", "pytest-timeout", "hypothesis"],
+    },
+    python_requires=">=3.11",
     zip_safe=False,
     maintainer="evodevo contributors",
     maintainer_email="maintainers@evodevo.dev",

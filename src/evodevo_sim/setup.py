@@ -1,4 +1,5 @@
 from glob import glob
+from xml.etree import ElementTree
 
 from setuptools import find_packages, setup
 
@@ -6,16 +7,23 @@ package_name = "evodevo_sim"
 
 setup(
     name=package_name,
-    version="0.1.0",
+    version=ElementTree.parse("package.xml").findtext("version"),
     packages=find_packages(exclude=["test"]),
-    package_data={package_name: ["nodes/discovery.xml"]},
+    package_data={package_name: ["nodes/discovery.xml", "py.typed"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
         (f"share/{package_name}", ["package.xml"]),
         (f"share/{package_name}/champions", sorted(glob("champions/*.yaml"))),
+        (f"share/{package_name}/launch", sorted(glob("launch/*.launch.py"))),
     ],
-    install_requires=["setuptools"],
-    extras_require={"test": ["pytest"]},
+    install_requires=["numpy>=2", "numba", "PyYAML"],
+    extras_require={
+        "gaits": ["scipy"],
+        "view": ["matplotlib", "rerun-sdk", "rich", "tqdm"],
+        "ros": ["mcap", "mcap-ros2-support", "rosbags", "ros-jazzy-rclpy", "ros-jazzy-common-interfaces", "ros-jazzy-rmw-fastrtps-cpp"],
+        "test": ["pytest", "pytest-timeout", "hypothesis"],
+    },
+    python_requires=">=3.11",
     zip_safe=False,
     maintainer="evodevo contributors",
     maintainer_email="maintainers@evodevo.dev",
