@@ -2,43 +2,42 @@
 
 Numba looks only at a function's own file when it decides whether a cached kernel is fresh, so a kernel would go on calling
 an old version of a helper or constant in another file.  Here the cache directory is named by a hash of every file that
-holds a kernel and of all that those import: a change in any of them compiles anew.  So does NUMBA_BOUNDSCHECK=1, which has every
+makes kernels and of all that those import (`_kernel_sources`): a change in any of them compiles anew.  So does NUMBA_BOUNDSCHECK=1, which has every
 index looked at, slowly, but for those of `lanes`.
 """
 
 from __future__ import annotations
 
-import hashlib
 import os
-import re
 import shutil
+import sys
 import time
 from pathlib import Path
 
+import llvmlite
 import numba
+import numpy as np
 
-_ROOT = Path(__file__).resolve().parent
+from ._kernel_sources import hash_of, package_root, sources_of_package
+
+_ROOT = package_root(Path(__file__).resolve(), __name__)
+_ARGUMENT_TYPES = ("parameters.py",)
 _KEEP_DAYS = 7.0
+
+# Besides sources, what results and speed of compiled code depend on.  Numba itself tells processors apart.
+_SETTINGS = (
+    numba.__version__, llvmlite.__version__, np.__version__, sys.implementation.cache_tag, numba.config.BOUNDSCHECK, numba.config.OPT,
+    numba.config.LOOP_VECTORIZE, numba.config.SLP_VECTORIZE, numba.config.USING_SVML, numba.config.DEBUGINFO_DEFAULT,
+)
 
 
 def kernel_sources() -> list[Path]:
-    """The files that compiled kernels depend on, in a fixed order; `parameters.py` among them, which makes argument types."""
-    text = {path.stem: path.read_text(encoding="utf-8") for path in _ROOT.glob("*.py")}
-    wanted = {name for name in text if re.search(r"^@(kernel|lean|inlined)$", text[name], re.MULTILINE)} | {"parameters"}
-    queue = list(wanted)
-    while queue:
-        for name in re.findall(r"^from \.(\w+) import", text[queue.pop()], re.MULTILINE):
-            if name in text and name not in wanted:
-                wanted.add(name)
-                queue.append(name)
-    return [_ROOT / f"{name}.py" for name in sorted(wanted)]
+    """The files that compiled kernels depend on, in a fixed order."""
+    return sources_of_package(_ROOT, Path(__file__).resolve(), _ARGUMENT_TYPES)
 
 
 def _sources_hash() -> str:
-    digest = hashlib.sha256(f"{numba.__version__} {numba.config.BOUNDSCHECK}".encode())
-    for path in kernel_sources():
-        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
-    return digest.hexdigest()[:16]
+    return hash_of(kernel_sources(), _ROOT, *_SETTINGS)
 
 
 def _caches() -> Path:
