@@ -5,8 +5,9 @@
 
 import sys
 
-from evodevo_ga import Evolution, Settings
 from evodevo_ga.in_process import evaluate_all
+
+from evodevo_ga import Evolution, Settings
 
 generations = int(sys.argv[1]) if len(sys.argv) > 1 else 5
 evolution = Evolution(Settings(population=20, generations=generations), seed=1)

@@ -7,8 +7,9 @@ import os
 import sys
 
 import rclpy
-from evodevo_msgs.msg import CellStates
 from rclpy.qos import qos_profile_sensor_data
+
+from evodevo_msgs.msg import CellStates
 
 os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
 rclpy.init()

@@ -6,9 +6,10 @@
 import sys
 from pathlib import Path
 
-from evodevo_sim import load_genome
-from evodevo_sim.live import Animat
+from evodevo_sim.live.animat import Animat
 from evodevo_sim.parameters import default_task
+
+from evodevo_sim import load_genome
 
 champions = Path(__file__).resolve().parents[1] / "src" / "evodevo_sim" / "champions"
 animat = Animat(load_genome(champions / "seeker.yaml"), default_task("chemotaxis"))

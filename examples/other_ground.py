@@ -5,9 +5,10 @@
 
 from pathlib import Path
 
-from evodevo_sim import evaluate, load_genome
 from evodevo_sim.parameters import default_task, with_settings
 from evodevo_sim.worlds import with_world
+
+from evodevo_sim import evaluate, load_genome
 
 champions = Path(__file__).resolve().parents[1] / "src" / "evodevo_sim" / "champions"
 walker = load_genome(champions / "walker.yaml")

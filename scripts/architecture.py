@@ -17,7 +17,7 @@ FIGURE = ROOT / "docs" / "images" / "architecture.svg"
 
 # From the foundation up: name, what it holds, where the paper tells of it.
 ROOMS = (
-    ("files", "files read with limits, written whole", ""),
+    ("whole_file", "files written whole or not at all", ""),
     ("kernels", "how compiled code is made", ""),
     ("profiles", "heights of ground and ceiling", ""),
     ("parameters", "every number of the model", ""),

@@ -9,10 +9,11 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from evodevo_sim import evaluate, load_genome, random_genome
 from evodevo_sim.parameters import default_task, with_settings
 from evodevo_sim.worlds import with_world
 from genomes import beating, dividing, pulsing, ring
+
+from evodevo_sim import evaluate, load_genome, random_genome
 
 ROOT = Path(__file__).resolve().parents[1]
 NOISE = {"noise.concentrations": 0.01, "noise.actuation": 0.05}

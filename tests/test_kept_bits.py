@@ -4,10 +4,11 @@ import json
 from pathlib import Path
 
 import pytest
-from evodevo_sim import evaluate
-from evodevo_sim.evaluation import invalid
-from evodevo_sim.outcome import Status
+from evodevo_sim.tasks.evaluation import invalid
+from evodevo_sim.tasks.outcome import Status
 from kept import bits, cases
+
+from evodevo_sim import evaluate
 
 KEPT = json.loads(Path(__file__).with_name("kept.json").read_text())
 

@@ -1,0 +1,1 @@
+"""What motions are like: gaits, turning."""

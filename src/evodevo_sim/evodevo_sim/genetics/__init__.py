@@ -1,0 +1,1 @@
+"""Genome and gene regulatory network (paper section 2.1)."""

@@ -1,0 +1,1 @@
+"""Bodies of your own, from files (docs/simulate.md)."""

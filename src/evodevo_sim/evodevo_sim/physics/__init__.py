@@ -1,0 +1,1 @@
+"""How bodies move (paper sections 2.3, 4)."""

@@ -1,0 +1,1 @@
+"""Messages, processes and command lines: from here on ROS may be imported."""

@@ -1,0 +1,1 @@
+"""What genomes are evaluated for: swim, walk, chemotaxis (paper section 4)."""

@@ -1,0 +1,1 @@
+"""Chemotaxis (paper section 4.3)."""

@@ -1,0 +1,1 @@
+"""The swimming task (paper section 4.2)."""

@@ -1,0 +1,1 @@
+"""The walking task (paper section 4.1)."""
