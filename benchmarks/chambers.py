@@ -12,13 +12,14 @@ import argparse
 from collections import Counter
 
 import numpy as np
-from evodevo_sim import Task
-from evodevo_sim.forces import make_law, make_scratch, set_rest_lengths
 from evodevo_sim.parameters import with_settings
-from evodevo_sim.physics import INVERTED, SOUND, UNSTABLE, advance
-from evodevo_sim.rates import choose_substeps, substeps_in_drag
+from evodevo_sim.physics.control_step import INVERTED, SOUND, UNSTABLE, advance
+from evodevo_sim.physics.forces import make_law, make_scratch, set_rest_lengths
+from evodevo_sim.physics.rates import choose_substeps, substeps_in_drag
 from random_bodies import random_body
 from tqdm import tqdm
+
+from evodevo_sim import Task
 
 RATIOS = (0.25, 0.5, 1.0, 2.0)
 PERIODS = (10, 30, 100)  # control steps

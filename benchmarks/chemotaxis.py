@@ -12,10 +12,11 @@ import argparse
 import time
 
 import numpy as np
+from evodevo_sim.recording.champion import champion_of
+from evodevo_sim.ros.command_line import pairs
+from evodevo_sim.tasks.chemotaxis.fitness import attempt, placements
+
 from evodevo_sim import Status, evaluate
-from evodevo_sim.champion import champion_of
-from evodevo_sim.chemotaxis_task import attempt, placements
-from evodevo_sim.command_line import pairs
 
 SHARES = (0.5, 1.5)
 APART = 0.1  # of the distance, from those of evolution

@@ -11,12 +11,13 @@ from __future__ import annotations
 import argparse
 
 import numpy as np
-from evodevo_sim import Task, load_genome, perform
-from evodevo_sim.command_line import pairs
-from evodevo_sim.forces import make_law, make_scratch, set_rest_lengths
 from evodevo_sim.parameters import with_settings
-from evodevo_sim.physics import SOUND, advance
-from evodevo_sim.rates import choose_substeps, substeps_in_drag
+from evodevo_sim.physics.control_step import SOUND, advance
+from evodevo_sim.physics.forces import make_law, make_scratch, set_rest_lengths
+from evodevo_sim.physics.rates import choose_substeps, substeps_in_drag
+from evodevo_sim.ros.command_line import pairs
+
+from evodevo_sim import Task, load_genome, perform
 
 
 def coast(performance, task: Task, step: int) -> float:

@@ -12,14 +12,15 @@ from pathlib import Path
 
 import matplotlib
 import numpy as np
-from evodevo_sim import Material, Scene, load_genome
-from evodevo_sim.body import build_body
-from evodevo_sim.forces import Law
-from evodevo_sim.gabriel import adjacency, gabriel_graph
+from evodevo_sim.development.body import build_body
+from evodevo_sim.development.gabriel import adjacency, gabriel_graph
+from evodevo_sim.physics.forces import Law
 from PIL import Image
 from rich.console import Console
 from rich.table import Table
 from tqdm import tqdm
+
+from evodevo_sim import Material, Scene, load_genome
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402

@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 from c_forces import caller, compiled
 from common import TINY, Figure, best, blob, default_law, main, moving, plt, race, save, slope, write_csv
-from evodevo_sim.forces import make_scratch
-from evodevo_sim.gabriel import gabriel_graph
+from evodevo_sim.development.gabriel import gabriel_graph
+from evodevo_sim.physics.forces import make_scratch
 from kernels import many_accelerations, many_graphs
 from scipy.spatial import Delaunay, cKDTree
 

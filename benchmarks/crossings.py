@@ -11,11 +11,12 @@ from __future__ import annotations
 import argparse
 
 import numpy as np
-from evodevo_sim import load_genome, perform
-from evodevo_sim.command_line import pairs
 from evodevo_sim.parameters import TASKS, default_task, with_settings
-from evodevo_sim.walk_audit import trial
-from evodevo_sim.walk_task import headings
+from evodevo_sim.ros.command_line import pairs
+from evodevo_sim.tasks.walk.audit import trial
+from evodevo_sim.tasks.walk.fitness import headings
+
+from evodevo_sim import load_genome, perform
 
 
 def crossings(outline, position) -> np.ndarray:

@@ -4,17 +4,17 @@ All in one file: numba's cache looks at this file and, by `_jit`, at those of ev
 """
 
 import numpy as np
-from evodevo_sim._jit import kernel, lean
-from evodevo_sim.forces import accelerations
-from evodevo_sim.gabriel import follow
-from evodevo_sim.integrators import carry, carry_adaptively, set_muscles
-from evodevo_sim.life import think
-from evodevo_sim.physics import advance, judge
-from evodevo_sim.rates import find_drag_rate, substeps_at_rate
-from evodevo_sim.regulation import exchange, regulate
-from evodevo_sim.scent import Signals
-from evodevo_sim.stability import ADAPTIVE
-from evodevo_sim.swim import live
+from evodevo_sim.brain.life import think
+from evodevo_sim.brain.scent import Signals
+from evodevo_sim.development.gabriel import follow
+from evodevo_sim.genetics.regulation import exchange, regulate
+from evodevo_sim.kernels.jit import kernel, lean
+from evodevo_sim.physics.control_step import advance, judge
+from evodevo_sim.physics.forces import accelerations
+from evodevo_sim.physics.integrators import carry, carry_adaptively, set_muscles
+from evodevo_sim.physics.rates import find_drag_rate, substeps_at_rate
+from evodevo_sim.physics.stability import ADAPTIVE
+from evodevo_sim.tasks.swim.kernel import live
 
 
 @lean

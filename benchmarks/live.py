@@ -13,17 +13,18 @@ import time
 import numpy as np
 import psutil
 import rclpy
-from evodevo_msgs.msg import CellStates
-from evodevo_msgs.srv import Load
-from evodevo_sim import random_genome
-from evodevo_sim.live import Animat, NotViable
-from evodevo_sim.messages import genome_message, target_message, task_message
-from evodevo_sim.nodes.common import stay_on_this_host
-from evodevo_sim.nodes.own import OwnSimulators
+from evodevo_sim.live.animat import Animat, NotViable
 from evodevo_sim.parameters import default_task, with_settings
+from evodevo_sim.ros.messages import genome_message, target_message, task_message
+from evodevo_sim.ros.own_simulators import OwnSimulators
+from evodevo_sim.ros.process import stay_on_this_host
 from geometry_msgs.msg import PoseStamped
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import qos_profile_sensor_data
+
+from evodevo_msgs.msg import CellStates
+from evodevo_msgs.srv import Load
+from evodevo_sim import random_genome
 
 
 def full_grown(task):

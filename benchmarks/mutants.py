@@ -12,14 +12,15 @@ import os
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
-from evodevo_ga import Settings
 from evodevo_ga.operators import delete, duplicate, flip, mutate_points
-from evodevo_sim import Genome, Task, evaluate, load_genome
-from evodevo_sim.command_line import pairs
 from evodevo_sim.parameters import with_settings
+from evodevo_sim.ros.command_line import pairs
 from rich.console import Console
 from rich.table import Table
 from tqdm import tqdm
+
+from evodevo_ga import Settings
+from evodevo_sim import Genome, Task, evaluate, load_genome
 
 SHARES = ("better", "better by 1 %", "as good", "within half", "below half", "none left")
 

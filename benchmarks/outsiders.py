@@ -6,7 +6,7 @@ import time
 
 import numpy as np
 from common import FULL, STEP, TINY, moving
-from evodevo_sim.forces import make_scratch
+from evodevo_sim.physics.forces import make_scratch
 from kernels import many_accelerations, slope
 from scipy.integrate import BDF, RK23, Radau, solve_ivp
 from scipy.linalg.lapack import dgbtrf

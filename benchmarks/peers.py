@@ -16,9 +16,9 @@ import time
 
 import numpy as np
 from common import Figure, body_of, main, scattered, write_csv
-from evodevo_sim.forces import Law
-from evodevo_sim.integrators import make_system, make_work
-from evodevo_sim.stability import EULER
+from evodevo_sim.physics.forces import Law
+from evodevo_sim.physics.integrators import make_system, make_work
+from evodevo_sim.physics.stability import EULER
 from kernels import travel
 from tqdm import tqdm
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
-from evodevo_sim.body import build_body
-from evodevo_sim.gabriel import adjacency, gabriel_graph
+from evodevo_sim.development.body import build_body
+from evodevo_sim.development.gabriel import adjacency, gabriel_graph
+from evodevo_sim.own_body.planar import coincident
 from evodevo_sim.parameters import Material, Scene
-from evodevo_sim.planar import coincident
 
 SHAPES = ("grown", "cloud", "clusters", "lattice", "needle", "ring", "sparse")
 MUSCLES = ("held", "sine", "jumps")

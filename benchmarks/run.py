@@ -14,7 +14,7 @@ import sys
 import time
 
 from common import FULL, QUICK, options, show, write_csv
-from evodevo_sim.evaluation import prepare
+from evodevo_sim.tasks.evaluation import prepare
 from tqdm import tqdm
 
 PARTS = ("work_precision", "stability_maps", "cost", "evaluation", "skipping", "workers", "peers")

@@ -17,15 +17,16 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
-from evodevo_ga import SCHEMES, Evolution, Settings, default_scheme, scheme
 from evodevo_ga.feasible import check
 from evodevo_ga.operators import scatter_scent
-from evodevo_sim import Evaluation, Genome, GenomeError, ParameterError, Task, evaluate, load_genome, perform, random_genome, save_genome
-from evodevo_sim.audit import audit
-from evodevo_sim.command_line import pairs
-from evodevo_sim.gait import GaitError, analyse, track_of_performance
+from evodevo_sim.analysis.gait import GaitError, analyse, track_of_performance
 from evodevo_sim.parameters import TASKS, default_task, with_settings
+from evodevo_sim.ros.command_line import pairs
+from evodevo_sim.tasks.audit import audit
 from tqdm import tqdm
+
+from evodevo_ga import SCHEMES, Evolution, Settings, default_scheme, scheme
+from evodevo_sim import Evaluation, Genome, GenomeError, ParameterError, Task, evaluate, load_genome, perform, random_genome, save_genome
 
 CHUNK = 500  # random genomes drawn at a time
 COLUMNS = (

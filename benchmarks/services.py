@@ -15,16 +15,17 @@ import time
 
 import psutil
 import rclpy
-from evodevo_ga import Evolution, Settings
 from evodevo_ga.fleet import Fleet
 from evodevo_ga.in_process import evaluate_all
 from evodevo_ga.times import EVALUATION, MESSAGES, Times
-from evodevo_sim import Task
-from evodevo_sim.nodes.common import stay_on_this_host
-from evodevo_sim.nodes.own import OwnSimulators
 from evodevo_sim.parameters import with_settings
+from evodevo_sim.ros.own_simulators import OwnSimulators
+from evodevo_sim.ros.process import stay_on_this_host
 from rclpy.experimental import EventsExecutor
 from tqdm import tqdm
+
+from evodevo_ga import Evolution, Settings
+from evodevo_sim import Task
 
 SEED = 1
 

@@ -13,14 +13,15 @@ from __future__ import annotations
 
 import numpy as np
 from common import FULL, QUICK, STEP, TINY, Figure, best, champion, default_law, main, race, slab, write_csv
-from evodevo_sim import Status, Task, evaluate, random_genome
-from evodevo_sim.swim_task import kernel_arguments
-from evodevo_sim.integrators import make_system, make_work
-from evodevo_sim.lanes import aligned
-from evodevo_sim.regulation import DIVISION, express, prune
-from evodevo_sim.stability import EULER, RK4
-from evodevo_sim.life import OK, birth
+from evodevo_sim.brain.life import OK, birth
+from evodevo_sim.genetics.regulation import DIVISION, express, prune
+from evodevo_sim.kernels.lanes import aligned
+from evodevo_sim.physics.integrators import make_system, make_work
+from evodevo_sim.physics.stability import EULER, RK4
+from evodevo_sim.tasks.swim.fitness import kernel_arguments
 from kernels import live_on, travel
+
+from evodevo_sim import Status, Task, evaluate, random_genome
 
 PART = "skipping"
 NEAR_NOTHING = 1e-200

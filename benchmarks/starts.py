@@ -16,11 +16,12 @@ import time
 import numpy as np
 from evodevo_ga.evolution import Settings
 from evodevo_ga.operators import flip, mutate_points
-from evodevo_sim import evaluate, load_genome
 from evodevo_sim.parameters import default_task, with_settings
-from evodevo_sim.walk_task import fitness_by_start, headings
+from evodevo_sim.tasks.walk.fitness import fitness_by_start, headings
 from scipy.stats import kendalltau
 from tqdm import tqdm
+
+from evodevo_sim import evaluate, load_genome
 
 COUNTS = (1, 2, 3, 4, 8, 16)
 REPEATS = 200

@@ -26,14 +26,14 @@ from concurrent.futures import ProcessPoolExecutor
 
 import numba
 import numpy as np
-from evodevo_sim.energy import stored_energy
-from evodevo_sim.forces import Law, make_scratch, set_rest_lengths
-from evodevo_sim.integrators import carry_adaptively, make_system, make_work
-from evodevo_sim.motion import _FINER
-from evodevo_sim.physics import INVERTED, SOUND, UNSTABLE, advance, settle
-from evodevo_sim.rates import MOST_SUBSTEPS, choose_substeps, substeps_in_drag
-from evodevo_sim.stability import ADAPTIVE, EULER, INTEGRATORS, RK4, VERLET, bounds, choose_steps
-from evodevo_sim.trajectory import DOUBLINGS, carry_soundly, follow
+from evodevo_sim.own_body.motion import _FINER
+from evodevo_sim.physics.control_step import INVERTED, SOUND, UNSTABLE, advance, settle
+from evodevo_sim.physics.energy import stored_energy
+from evodevo_sim.physics.forces import Law, make_scratch, set_rest_lengths
+from evodevo_sim.physics.integrators import carry_adaptively, make_system, make_work
+from evodevo_sim.physics.rates import MOST_SUBSTEPS, choose_substeps, substeps_in_drag
+from evodevo_sim.physics.replayed_motion import DOUBLINGS, carry_soundly, follow
+from evodevo_sim.physics.stability import ADAPTIVE, EULER, INTEGRATORS, RK4, VERLET, bounds, choose_steps
 from random_bodies import random_body, random_muscles, random_parameters
 from tqdm import tqdm
 

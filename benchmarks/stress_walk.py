@@ -15,18 +15,19 @@ import sys
 
 import numba
 import numpy as np
-from evodevo_sim import Scene
-from evodevo_sim.body import build_body
-from evodevo_sim.energy import stored_energy
-from evodevo_sim.forces import make_law, set_rest_lengths
-from evodevo_sim.gabriel import adjacency, gabriel_graph
-from evodevo_sim.integrators import euler, make_system, make_work
+from evodevo_sim.development.body import build_body
+from evodevo_sim.development.gabriel import adjacency, gabriel_graph
 from evodevo_sim.parameters import default_task
-from evodevo_sim.physics import SOUND, check
-from evodevo_sim.terrain import clearance, make_terrain
-from evodevo_sim.walk import choose_walk_steps
+from evodevo_sim.physics.control_step import SOUND, check
+from evodevo_sim.physics.energy import stored_energy
+from evodevo_sim.physics.forces import make_law, set_rest_lengths
+from evodevo_sim.physics.integrators import euler, make_system, make_work
+from evodevo_sim.physics.terrain import clearance, make_terrain
+from evodevo_sim.tasks.walk.kernel import choose_walk_steps
 from evodevo_sim.worlds import PRESETS, scene_of
 from tqdm import tqdm
+
+from evodevo_sim import Scene
 
 CONTROL_STEPS = 240
 CAVE = {"ground": [[-30.0, 0.0], [-4.0, 0.0], [-3.9, 2.0], [-3.0, 0.2], [4.0, 1.0], [4.1, 0.0], [30.0, 0.0]],

@@ -14,9 +14,9 @@ from __future__ import annotations
 
 import numpy as np
 from common import FULL, STEP, TINY, Figure, best, main, plt, race, save, slab, write_csv
-from evodevo_sim.forces import Law
-from evodevo_sim.integrators import make_system, make_work
-from evodevo_sim.stability import ADAPTIVE, EULER, INTEGRATORS, RK4, VERLET, bounds
+from evodevo_sim.physics.forces import Law
+from evodevo_sim.physics.integrators import make_system, make_work
+from evodevo_sim.physics.stability import ADAPTIVE, EULER, INTEGRATORS, RK4, VERLET, bounds
 from kernels import travel
 from matplotlib.ticker import NullFormatter
 from outsiders import OUTSIDERS, outside, reference

@@ -17,11 +17,12 @@ import time
 import numpy as np
 import psutil
 from common import TINY, Figure, champion, main, write_csv
-from evodevo_ga import Settings
 from evodevo_ga.in_process import evaluate_all
 from evodevo_ga.operators import mutate_points
-from evodevo_sim import Task, evaluate
 from tqdm import tqdm
+
+from evodevo_ga import Settings
+from evodevo_sim import Task, evaluate
 
 PART = "workers"
 WAYS = ("1 thread", "2 threads", "2 processes")

@@ -18,16 +18,17 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numba
 import numpy as np
-from evodevo_sim import Task
-from evodevo_sim.body import build_body
-from evodevo_sim.command_line import pairs
-from evodevo_sim.forces import make_law, make_scratch, set_rest_lengths
-from evodevo_sim.gabriel import adjacency, gabriel_graph
-from evodevo_sim.life import SETTLE_LIMIT, SETTLE_TOLERANCE, centre_of_mass
+from evodevo_sim.brain.life import SETTLE_LIMIT, SETTLE_TOLERANCE, centre_of_mass
+from evodevo_sim.development.body import build_body
+from evodevo_sim.development.gabriel import adjacency, gabriel_graph
 from evodevo_sim.parameters import with_settings
-from evodevo_sim.physics import SOUND, advance, settle
-from evodevo_sim.rates import choose_substeps, substeps_in_drag
+from evodevo_sim.physics.control_step import SOUND, advance, settle
+from evodevo_sim.physics.forces import make_law, make_scratch, set_rest_lengths
+from evodevo_sim.physics.rates import choose_substeps, substeps_in_drag
+from evodevo_sim.ros.command_line import pairs
 from tqdm import tqdm
+
+from evodevo_sim import Task
 
 PERIODS = (10, 15, 20, 30, 40, 50, 60, 80, 100, 130, 170, 220, 300, 400)  # control steps
 WAVELENGTHS = (3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 14.0, 20.0, np.inf)  # m

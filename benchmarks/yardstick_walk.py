@@ -18,16 +18,16 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numba
 import numpy as np
-from evodevo_sim.body import build_body
-from evodevo_sim.command_line import pairs
-from evodevo_sim.forces import make_law, set_rest_lengths
-from evodevo_sim.gabriel import adjacency, gabriel_graph
-from evodevo_sim.integrators import euler, make_system, make_work
-from evodevo_sim.life import centre_of_mass
+from evodevo_sim.brain.life import centre_of_mass
+from evodevo_sim.development.body import build_body
+from evodevo_sim.development.gabriel import adjacency, gabriel_graph
 from evodevo_sim.parameters import default_task, with_settings
-from evodevo_sim.physics import SOUND, check
-from evodevo_sim.terrain import make_terrain
-from evodevo_sim.walk import choose_walk_steps
+from evodevo_sim.physics.control_step import SOUND, check
+from evodevo_sim.physics.forces import make_law, set_rest_lengths
+from evodevo_sim.physics.integrators import euler, make_system, make_work
+from evodevo_sim.physics.terrain import make_terrain
+from evodevo_sim.ros.command_line import pairs
+from evodevo_sim.tasks.walk.kernel import choose_walk_steps
 from tqdm import tqdm
 
 PERIODS = (15, 20, 30, 40, 50, 60, 80, 100, 140, 200)  # control steps

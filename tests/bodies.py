@@ -1,11 +1,11 @@
 """Bodies for tests: random and hand-made ones, their state as the physics holds it, and ways to run them."""
 
 import numpy as np
-from evodevo_sim.body import build_body
-from evodevo_sim.forces import Law, accelerations, make_scratch
-from evodevo_sim.gabriel import adjacency, gabriel_graph
-from evodevo_sim.integrators import carry, carry_adaptively, make_system, make_work
-from evodevo_sim.stability import ADAPTIVE
+from evodevo_sim.development.body import build_body
+from evodevo_sim.development.gabriel import adjacency, gabriel_graph
+from evodevo_sim.physics.forces import Law, accelerations, make_scratch
+from evodevo_sim.physics.integrators import carry, carry_adaptively, make_system, make_work
+from evodevo_sim.physics.stability import ADAPTIVE
 
 STEP = 1 / 60  # s, of control
 NO_LEDGER = np.zeros(0)

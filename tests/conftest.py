@@ -3,7 +3,7 @@
 import os
 import random
 
-from evodevo_sim.nodes.common import stay_on_this_host
+from evodevo_sim.ros.process import stay_on_this_host
 
 stay_on_this_host()
 os.environ.setdefault("ROS_DOMAIN_ID", str(random.randint(1, 100)))

@@ -2,8 +2,8 @@
 
 import numpy as np
 from bodies import body_of
-from evodevo_sim.gait import Ground, Track
-from evodevo_sim.gait.sources import parts_of_body
+from evodevo_sim.analysis.gait import Ground, Track
+from evodevo_sim.analysis.gait.sources import parts_of_body
 
 SECONDS, FREQUENCY = 12.0, 1.3
 TIME = np.arange(int(60 * SECONDS) + 1) / 60

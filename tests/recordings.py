@@ -1,12 +1,13 @@
 """Recordings for tests: short lives and runs, written without any node."""
 
-from evodevo_ga import Evolution, Settings
 from evodevo_ga.evolution import Individual
 from evodevo_ga.messages import champion_message, evolution_message, statistics_message
-from evodevo_sim import Evaluation, Metrics, Status, Task, evaluate, perform
 from evodevo_sim.parameters import with_settings
 from evodevo_sim.recording import Recorder, record_performance
 from genomes import dividing
+
+from evodevo_ga import Evolution, Settings
+from evodevo_sim import Evaluation, Metrics, Status, Task, evaluate, perform
 
 TASK = with_settings(Task(), {"development.max_cells": 9, "development.steps": 80, "control_steps": 120})
 START = 1_700_000_000_000_000_000  # ns

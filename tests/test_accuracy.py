@@ -5,16 +5,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bodies import STEP, body_of, go, rotation
-from evodevo_sim import Task, load_genome, perform
-from evodevo_sim.forces import Law, make_scratch
-from evodevo_sim.integrators import make_system
-from evodevo_sim.live import Animat
-from evodevo_sim.outcome import Status
+from evodevo_sim.live.animat import Animat
 from evodevo_sim.parameters import with_settings
-from evodevo_sim.physics import settle
-from evodevo_sim.stability import RK4
+from evodevo_sim.physics.control_step import settle
+from evodevo_sim.physics.forces import Law, make_scratch
+from evodevo_sim.physics.integrators import make_system
+from evodevo_sim.physics.stability import RK4
+from evodevo_sim.tasks.outcome import Status
 from genomes import pulsing
 from scipy.optimize import brentq
+
+from evodevo_sim import Task, load_genome, perform
 
 CHAMPIONS = Path(__file__).parents[1] / "src/evodevo_sim/champions"
 SWIM_ERROR = 5e-3  # cell diameters, after 1,000 control steps

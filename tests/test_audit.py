@@ -6,13 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from evodevo_sim import Task, evaluate, perform, save_genome
-from evodevo_sim.audit import audit
-from evodevo_sim.audit_command import main
-from evodevo_sim.champion import champion_of
+from evodevo_sim.commands.audit import main
 from evodevo_sim.parameters import default_task, with_settings
 from evodevo_sim.recording import Recorder
+from evodevo_sim.recording.champion import champion_of
+from evodevo_sim.tasks.audit import audit
 from genomes import pulsing
+
+from evodevo_sim import Task, evaluate, perform, save_genome
 
 SHORT = {"control_steps": 400}
 
@@ -62,7 +63,7 @@ def test_a_quick_audit_finds_the_same_in_much_fewer_steps(genome):
 
 
 def test_motion_is_judged_apart_from_the_bonus_for_activity(genome):
-    from evodevo_sim.audit import _faults
+    from evodevo_sim.tasks.audit import _faults
 
     task = with_settings(Task(), {**SHORT, "activity_bonus": 1e5})
     runs = list(audit(genome, task, quick=True).runs)
@@ -72,9 +73,9 @@ def test_motion_is_judged_apart_from_the_bonus_for_activity(genome):
 
 
 def test_energy_that_nobody_put_in_does_not_stand(genome, monkeypatch):
-    import evodevo_sim.audit
+    import evodevo_sim.tasks.audit
 
-    monkeypatch.setattr(evodevo_sim.audit, "MOST_GAP", 1e-4)  # of the 4e-3 that RK4 in default steps loses
+    monkeypatch.setattr(evodevo_sim.tasks.audit, "MOST_GAP", 1e-4)  # of the 4e-3 that RK4 in default steps loses
     result = audit(genome, with_settings(Task(), SHORT))
     assert len(result.faults) == 1 and "of the energy is unexplained" in result.faults[0]
 
@@ -145,7 +146,7 @@ def test_every_swim_of_a_seeker_is_audited(seeker, quick):
 
 
 def test_a_seeker_that_ends_elsewhere_in_finer_steps_does_not_stand(seeker):
-    from evodevo_sim.audit import _faults
+    from evodevo_sim.tasks.audit import _faults
 
     runs = list(audit(seeker, SEEKER, quick=True).runs)
     runs[2] = dataclasses.replace(runs[2], near=(runs[2].near[0] + 0.2, *runs[2].near[1:]))

@@ -71,9 +71,9 @@ def test_other_bits_are_refused():
 
 def test_the_theory_of_a_step_is_that_of_two_masses_on_a_spring():
     from common import body_of
-    from evodevo_sim.integrators import make_system
-    from evodevo_sim.physics import Law
-    from evodevo_sim.stability import EULER, RK4, VERLET
+    from evodevo_sim.physics.control_step import Law
+    from evodevo_sim.physics.integrators import make_system
+    from evodevo_sim.physics.stability import EULER, RK4, VERLET
     from stability_maps import limit, linearised
 
     k, c = linearised(make_system(body_of(np.array([(0.0, 0.0), (1.0, 0.0)])), Law(50.0, 0.0, 0.0, 0.0, 0.0)))
@@ -84,7 +84,7 @@ def test_the_theory_of_a_step_is_that_of_two_masses_on_a_spring():
 def test_scipys_graph_is_ours():
     from common import blob
     from cost import delaunay_gabriel
-    from evodevo_sim.gabriel import gabriel_graph
+    from evodevo_sim.development.gabriel import gabriel_graph
 
     for seed in range(5):
         position = blob(64, seed).position
@@ -181,8 +181,9 @@ def test_search_refuses_settings_in_one_line(monkeypatch, capsys, text, says):
 def test_shares_of_mutants_add_up_and_what_does_not_move_is_refused(tmp_path, monkeypatch, capsys):
     import mutants
     from common import CHAMPION
-    from evodevo_sim import save_genome
     from genomes import dividing
+
+    from evodevo_sim import save_genome
 
     found = dict(zip(mutants.SHARES, mutants.shares(np.array([2.1, 2.005, 2.0, 1.5, 0.5, 0.0, -1.0]), 2.0)))
     assert [round(7 * share) for share in found.values()] == [2, 1, 1, 1, 1, 2]

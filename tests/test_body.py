@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from bodies import body_of
-from evodevo_sim.gabriel import gabriel_graph
+from evodevo_sim.development.gabriel import gabriel_graph
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -7,11 +7,12 @@ import sys
 
 import numpy as np
 import pytest
-from evodevo_sim import save_genome
 from evodevo_sim.recording import read_recording
-from evodevo_sim.replay.life import life_of
+from evodevo_sim.recording.life import life_of
 from lab import DEADLINE
 from test_chemotaxis import pulsing_smeller
+
+from evodevo_sim import save_genome
 
 SMALL = ["--quiet", "--set=development.max_cells=8", "--set=development.steps=60", "--real-time-factor", "8"]
 

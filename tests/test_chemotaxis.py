@@ -4,15 +4,16 @@ import dataclasses
 
 import numpy as np
 import pytest
-from evodevo_sim import Development, Status, evaluate, perform
-from evodevo_sim.chemotaxis import SAMPLES, Trials
-from evodevo_sim.chemotaxis_task import approach, attempt, placements, score
-from evodevo_sim.live import Animat
+from evodevo_sim.brain.scent import scent, scent_row
+from evodevo_sim.live.animat import Animat
 from evodevo_sim.parameters import Chemotaxis, default_task
-from evodevo_sim.scent import scent, scent_row
+from evodevo_sim.tasks.chemotaxis.fitness import approach, attempt, placements, score
+from evodevo_sim.tasks.chemotaxis.kernel import SAMPLES, Trials
 from genomes import FAR, dividing, first_viable, pulsing
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+from evodevo_sim import Development, Status, evaluate, perform
 
 TASK = dataclasses.replace(
     default_task("chemotaxis"), development=Development(max_cells=12), control_steps=400,

@@ -3,15 +3,16 @@
 import numpy as np
 import pytest
 from bodies import NO_LEDGER, STEP, body_of, random_body, slab, wave
-from evodevo_sim import Scene
-from evodevo_sim.contact import meet_tips
-from evodevo_sim.energy import stored_energy
-from evodevo_sim.forces import Law
-from evodevo_sim.integrators import euler, make_system, make_work
-from evodevo_sim.stability import bounds, longest_step
-from evodevo_sim.terrain import FLAT, clearance, contacts, make_terrain, touching
+from evodevo_sim.physics.contact import meet_tips
+from evodevo_sim.physics.energy import stored_energy
+from evodevo_sim.physics.forces import Law
+from evodevo_sim.physics.integrators import euler, make_system, make_work
+from evodevo_sim.physics.stability import bounds, longest_step
+from evodevo_sim.physics.terrain import FLAT, clearance, contacts, make_terrain, touching
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+from evodevo_sim import Scene
 
 H = STEP / 4  # the default step of walking
 LAW = Law(400.0, 10.0, 400.0, 0.0, 0.0)

@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
-from evodevo_sim import Development, ParameterError, Task, perform, random_genome
-from evodevo_sim.gabriel import gabriel_graph
+from evodevo_sim.development.gabriel import gabriel_graph
 from genomes import dividing, first_viable, hand_made
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+from evodevo_sim import Development, ParameterError, Task, perform, random_genome
 
 
 def brute_force_gabriel(p):

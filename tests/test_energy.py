@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from bodies import ALONE, LAW, STEP, accelerations_of, body_of, go, slab, wave
-from evodevo_sim.energy import LEDGER, least_chamber, stored_energy
-from evodevo_sim.forces import Law, set_rest_lengths
-from evodevo_sim.integrators import make_system
-from evodevo_sim.stability import ADAPTIVE, EULER, INTEGRATORS, RK4, VERLET
+from evodevo_sim.physics.energy import LEDGER, least_chamber, stored_energy
+from evodevo_sim.physics.forces import Law, set_rest_lengths
+from evodevo_sim.physics.integrators import make_system
+from evodevo_sim.physics.stability import ADAPTIVE, EULER, INTEGRATORS, RK4, VERLET
 from plain import grid
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from evodevo_ga import Evolution, Settings, diversity
 from evodevo_sim import Evaluation, Metrics, ParameterError, Status, random_genome
 

@@ -7,16 +7,17 @@ import sys
 import time
 
 import pytest
-from evodevo_ga import Evolution, Settings
 from evodevo_ga.arguments import parse
 from evodevo_ga.fleet import BATCH, batches, find_simulators
 from evodevo_ga.in_process import evaluate_all
-from evodevo_sim import Task, evaluate, load_genome
 from evodevo_sim.parameters import with_settings
 from evodevo_sim.recording import read_recording
-from evodevo_sim.replay.life import life_of
-from evodevo_sim.replay.summary import headline, markdown
+from evodevo_sim.recording.life import life_of
+from evodevo_sim.view.summary import headline, markdown
 from lab import DEADLINE, Operator, simulators
+
+from evodevo_ga import Evolution, Settings
+from evodevo_sim import Task, evaluate, load_genome
 
 SMALL = ["--generations", "4", "--population", "14", "--cells", "8", "--seed", "3", "--set", "control_steps=80"]
 TASK = with_settings(Task(), {"development.max_cells": 8, "control_steps": 80})
@@ -75,7 +76,7 @@ def test_a_layered_run_through_nodes_is_recorded_with_its_settings(tmp_path):
 
 
 def test_champions_that_fail_their_audit_are_marked_and_change_nothing_else(tmp_path, in_process):
-    code = "import evodevo_sim.audit as audit; audit.MOST_GAP = -1.0; from evodevo_ga.evolve import main; main()"
+    code = "import evodevo_sim.tasks.audit as audit; audit.MOST_GAP = -1.0; from evodevo_ga.evolve import main; main()"
     command = [sys.executable, "-c", code, *SMALL, "--simulators", "1", "--out", str(tmp_path / "run")]
     done = subprocess.run(command, capture_output=True, text=True, timeout=DEADLINE)
     assert done.returncode == 0, done.stderr

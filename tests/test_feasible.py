@@ -2,14 +2,15 @@
 
 import numpy as np
 import pytest
-from evodevo_ga import Settings, scheme
 from evodevo_ga.arguments import parse
 from evodevo_ga.feasible import check
-from evodevo_sim import ParameterError, Status, Task, evaluate, perform, random_genome, save_genome
-from evodevo_sim.forces import make_law
 from evodevo_sim.parameters import with_settings
-from evodevo_sim.rates import choose_substeps
+from evodevo_sim.physics.forces import make_law
+from evodevo_sim.physics.rates import choose_substeps
 from genomes import first_viable
+
+from evodevo_ga import Settings, scheme
+from evodevo_sim import ParameterError, Status, Task, evaluate, perform, random_genome, save_genome
 
 STILL = ["--point-mutation", "0", "--crossover", "0", "--duplication", "0", "--deletion", "0", "--flip", "0"]
 

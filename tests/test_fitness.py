@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from evodevo_sim import Development, Status, Task, evaluate
-from evodevo_sim.swim import Swim
-from evodevo_sim.swim_task import score, slowest_progress
+from evodevo_sim.tasks.swim.fitness import score, slowest_progress
+from evodevo_sim.tasks.swim.kernel import Swim
 from genomes import dividing, ring
+
+from evodevo_sim import Development, Status, Task, evaluate
 
 TASK = Task(control_steps=400, development=Development(max_cells=12))
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from evodevo_sim.gabriel import adjacency, follow, gabriel_edges, gabriel_graph
-from evodevo_sim.gabriel_tree import TIE, tree_edges
+from evodevo_sim.development.gabriel import adjacency, follow, gabriel_edges, gabriel_graph
+from evodevo_sim.development.gabriel_tree import TIE, tree_edges
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

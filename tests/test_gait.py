@@ -7,17 +7,18 @@ import gaits
 import numpy as np
 import pytest
 from bodies import body_of, rotation
-from evodevo_sim import Task, make_own_body, perform, random_genome, simulate_body
-from evodevo_sim.audit import audit
-from evodevo_sim.gait import GaitError, Ground, Rules, Track, World, analyse, track_of_motion, track_of_performance
-from evodevo_sim.gait.form import limbs
-from evodevo_sim.gait.rhythm import common_rhythm
-from evodevo_sim.gait.sources import parts_of_body
-from evodevo_sim.gait.work import work_of
+from evodevo_sim.analysis.gait import GaitError, Ground, Rules, Track, World, analyse, track_of_motion, track_of_performance
+from evodevo_sim.analysis.gait.form import limbs
+from evodevo_sim.analysis.gait.rhythm import common_rhythm
+from evodevo_sim.analysis.gait.sources import parts_of_body
+from evodevo_sim.analysis.gait.work import work_of
 from evodevo_sim.parameters import ParameterError, with_settings
+from evodevo_sim.tasks.audit import audit
 from genomes import pulsing
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+from evodevo_sim import Task, make_own_body, perform, random_genome, simulate_body
 
 SWIMMERS = {
     gaits.undulating: "undulation", gaits.pulsing_bell: "jellyfish", gaits.tailed: "protrusions", gaits.rowing: "protrusions",

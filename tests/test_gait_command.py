@@ -7,17 +7,18 @@ import time
 import gaits
 import numpy as np
 import pytest
-from evodevo_sim import Task, make_own_body, perform, save_genome, simulate_body
-from evodevo_sim.gait import Gait, analyse, track_of_performance
-from evodevo_sim.gait.cli import main
-from evodevo_sim.gait.recorded import gait_of_recording, track_of_recording
-from evodevo_sim.messages import gait_from_message, gait_message
+from evodevo_sim.analysis.gait import Gait, analyse, track_of_performance
+from evodevo_sim.commands.gait import main
+from evodevo_sim.commands.simulate import record_motion
 from evodevo_sim.parameters import with_settings
 from evodevo_sim.recording import Recorder, read_recording, record_performance
-from evodevo_sim.replay.life import life_of
-from evodevo_sim.replay.summary import headline, markdown
-from evodevo_sim.simulate import record_motion
+from evodevo_sim.recording.gait import gait_of_recording, track_of_recording
+from evodevo_sim.recording.life import life_of
+from evodevo_sim.ros.messages import gait_from_message, gait_message
+from evodevo_sim.view.summary import headline, markdown
 from genomes import pulsing
+
+from evodevo_sim import Task, make_own_body, perform, save_genome, simulate_body
 
 TASK = with_settings(Task(), {"control_steps": 400})
 

@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
-from evodevo_sim import Genome, GenomeError, load_genome, parse_genome, random_genome, save_genome
-from evodevo_sim.genome import HEADER
-from evodevo_sim.genome_file import genome_text
+from evodevo_sim.genetics.genome import HEADER
+from evodevo_sim.genetics.genome_file import genome_text
 from genomes import hand_made, random_genomes
 from hypothesis import given
 from hypothesis import strategies as st
+
+from evodevo_sim import Genome, GenomeError, load_genome, parse_genome, random_genome, save_genome
 
 
 @given(random_genomes())

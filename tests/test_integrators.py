@@ -3,14 +3,21 @@
 import numpy as np
 import pytest
 from bodies import ALONE, LAW, NO_LEDGER, STEP, accelerations_of, body_of, chain, go, rotation, slab, wave
-from evodevo_sim.forces import Law
-from evodevo_sim.integrators import carry, make_system, make_work, set_muscles
-from evodevo_sim.physics import INVERTED, SOUND, UNSTABLE
-from evodevo_sim.rates import drag_rate
-from evodevo_sim.stability import (
-    ADAPTIVE, EULER, INTEGRATORS, RK4, VERLET, bounds, choose_steps, longest_step,
+from evodevo_sim.physics.control_step import INVERTED, SOUND, UNSTABLE
+from evodevo_sim.physics.forces import Law
+from evodevo_sim.physics.integrators import carry, make_system, make_work, set_muscles
+from evodevo_sim.physics.rates import drag_rate
+from evodevo_sim.physics.replayed_motion import carry_soundly
+from evodevo_sim.physics.stability import (
+    ADAPTIVE,
+    EULER,
+    INTEGRATORS,
+    RK4,
+    VERLET,
+    bounds,
+    choose_steps,
+    longest_step,
 )
-from evodevo_sim.trajectory import carry_soundly
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp

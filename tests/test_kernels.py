@@ -6,16 +6,17 @@ import subprocess
 import sys
 from pathlib import Path
 
-import evodevo_sim
 import pytest
-from evodevo_sim import _jit
+from evodevo_sim.kernels import jit as _jit
+
+import evodevo_sim
 
 PACKAGE = Path(evodevo_sim.__file__).parent
 SCRIPT = """
 from evodevo_sim import _jit
 before = _jit.is_compiled("regulation.affinity")
-from evodevo_sim.lanes import padded
-from evodevo_sim.regulation import activation, affinity
+from evodevo_sim.kernels.lanes import padded
+from evodevo_sim.genetics.regulation import activation, affinity
 activation(1.0), padded(3)
 print(before, affinity(3.0), sum(1 for _ in _jit.CACHE_DIRECTORY.rglob("*.nbc")), _jit.CACHE_DIRECTORY)
 """

@@ -6,12 +6,13 @@ import threading
 
 import numpy as np
 import pytest
-from evodevo_sim import Development, ParameterError, Task, perform
-from evodevo_sim.live import Animat, NotViable, Stage
+from evodevo_sim.live.animat import Animat, NotViable, Stage
 from evodevo_sim.parameters import default_task
 from genomes import beating, hand_made, ring
 from test_chemotaxis import pulsing_smeller
 from test_turning import reflex
+
+from evodevo_sim import Development, ParameterError, Task, perform
 
 TASK = Task(development=Development(max_cells=12), control_steps=40)
 CHEMOTAXIS = dataclasses.replace(default_task("chemotaxis"), development=Development(max_cells=12), control_steps=40)

@@ -5,19 +5,27 @@ import re
 
 import numpy as np
 import pytest
-from evodevo_ga import Generation, Settings
-from evodevo_msgs import msg
-from evodevo_sim import Development, Evaluation, Material, Metrics, ParameterError, Scene, Status, Task, perform
-from evodevo_sim.messages import (
-    body_message, cell_states_message, evaluation_from_message, evaluation_message, genome_from_message, genome_message,
-    task_from_message, task_message, time_message,
-)
-from evodevo_sim.outcome import Steering
 from evodevo_sim.parameters import Chemotaxis, Noise
+from evodevo_sim.ros.messages import (
+    body_message,
+    cell_states_message,
+    evaluation_from_message,
+    evaluation_message,
+    genome_from_message,
+    genome_message,
+    task_from_message,
+    task_message,
+    time_message,
+)
+from evodevo_sim.tasks.outcome import Steering
 from genomes import first_viable, random_genomes
 from hypothesis import given
 from hypothesis import strategies as st
 from rclpy.serialization import deserialize_message, serialize_message
+
+from evodevo_ga import Generation, Settings
+from evodevo_msgs import msg
+from evodevo_sim import Development, Evaluation, Material, Metrics, ParameterError, Scene, Status, Task, perform
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 

@@ -2,14 +2,15 @@
 
 import numpy as np
 import pytest
-from evodevo_ga import Evolution, Settings
 from evodevo_ga.niches import niche_of
-from evodevo_sim import Evaluation, Metrics, Status, random_genome
-from evodevo_sim.body import build_body
-from evodevo_sim.gabriel import adjacency, gabriel_graph
+from evodevo_sim.development.body import build_body
+from evodevo_sim.development.gabriel import adjacency, gabriel_graph
 from hypothesis import given
 from hypothesis import strategies as st
 from test_evolution import run
+
+from evodevo_ga import Evolution, Settings
+from evodevo_sim import Evaluation, Metrics, Status, random_genome
 
 NICHED = Settings(population=30, niches=3, elite=2, tournament=2, generations=40, point_scale=0.5)
 COMPACT, SLENDER = Metrics(cells=32, chambers=46), Metrics(cells=32, chambers=30)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from bodies import LAW, POLYGON_EDGES, POLYGONS, SQUARE, accelerations_of, body_of, random_body, state_of
-from evodevo_sim.forces import Law, accelerations, make_scratch
-from evodevo_sim.physics import INVERTED, MOST_DOUBLINGS, SOUND, UNSTABLE, advance, settle
-from evodevo_sim.rates import ACCURATE_RK4, choose_substeps, frequency_bound
+from evodevo_sim.physics.control_step import INVERTED, MOST_DOUBLINGS, SOUND, UNSTABLE, advance, settle
+from evodevo_sim.physics.forces import Law, accelerations, make_scratch
+from evodevo_sim.physics.rates import ACCURATE_RK4, choose_substeps, frequency_bound
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 import recordings
 import yaml
-from evodevo_msgs.msg import CellStates, GenerationStatistics
-from evodevo_sim.messages import cell_states_message
 from evodevo_sim.recording import Recorder, RecordingError, read_recording, record_performance, writer
 from evodevo_sim.recording.definitions import definition
+from evodevo_sim.ros.messages import cell_states_message
 from std_msgs.msg import String
+
+from evodevo_msgs.msg import CellStates, GenerationStatistics
 
 DEADLINE = 60.0
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from evodevo_sim.genome import INPUTS, MORPHOGEN, OUTPUTS, TRANSCRIPTION_FACTOR
-from evodevo_sim.lanes import aligned
-from evodevo_sim.regulation import activation, affinity, assign_units, exchange, express, make_spread, prune, regulate, share_out
+from evodevo_sim.genetics.genome import INPUTS, MORPHOGEN, OUTPUTS, TRANSCRIPTION_FACTOR
+from evodevo_sim.genetics.regulation import activation, affinity, assign_units, exchange, express, make_spread, prune, regulate, share_out
+from evodevo_sim.kernels.lanes import aligned
 from genomes import hand_made, random_genomes, unit
 from hypothesis import given, settings
 from hypothesis import strategies as st

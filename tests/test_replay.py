@@ -8,11 +8,12 @@ import sys
 import numpy as np
 import pytest
 import recordings
-from evodevo_sim.messages import cell_states_message
+from evodevo_sim.commands import replay as cli
 from evodevo_sim.recording import Recorder, RecordingError, read_recording
-from evodevo_sim.replay import cli, viewer
-from evodevo_sim.replay.colours import activation_colours
-from evodevo_sim.replay.life import contrasting_cells, life_of
+from evodevo_sim.recording.life import contrasting_cells, life_of
+from evodevo_sim.ros.messages import cell_states_message
+from evodevo_sim.view import viewer
+from evodevo_sim.view.colours import activation_colours
 
 STEPS, GROWTH = recordings.TASK.control_steps + 1, recordings.TASK.development.steps + 1
 DEADLINE = 120.0
@@ -178,7 +179,7 @@ def test_a_picture_shows_cells_in_their_colours(bags, tmp_path, capsys):
 
 def test_one_frame_of_a_body(bags, tmp_path):
     import matplotlib.image
-    from evodevo_sim.replay.picture import save_frame
+    from evodevo_sim.view.picture import save_frame
 
     save_frame(life_of(read_recording(bags / "whole")), tmp_path / "frame.png", step=3, pixels=400)
     pixels = matplotlib.image.imread(tmp_path / "frame.png")
@@ -283,7 +284,7 @@ def test_ctrl_c_ends_the_viewer_and_leaves_nothing(bags, tmp_path):
     """The real command line, with a stand-in for the viewer that runs until it is ended."""
     stand_in = "import sys; print('shown', sys.argv[-1], flush=True); import signal; signal.pause()"
     code = (
-        "import subprocess, sys; from evodevo_sim.replay import cli; real = subprocess.Popen\n"
+        "import subprocess, sys; from evodevo_sim.view import cli; real = subprocess.Popen\n"
         f"subprocess.Popen = lambda command, env: real([sys.executable, '-c', {stand_in!r}, command[-1]], env=env)\n"
         "subprocess.run = lambda *_, **__: None\n"
         "sys.exit(cli.main([sys.argv[1]]))"

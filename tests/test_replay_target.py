@@ -4,13 +4,14 @@ import dataclasses
 
 import numpy as np
 import pytest
-from evodevo_sim import Development, perform
-from evodevo_sim.messages import cell_states_message, target_message, time_message
+from evodevo_sim.commands import replay as cli
 from evodevo_sim.parameters import Chemotaxis, default_task
 from evodevo_sim.recording import Recorder, read_recording, record_performance
-from evodevo_sim.replay import cli
-from evodevo_sim.replay.life import life_of
+from evodevo_sim.recording.life import life_of
+from evodevo_sim.ros.messages import cell_states_message, target_message, time_message
 from test_chemotaxis import pulsing_smeller
+
+from evodevo_sim import Development, perform
 
 TASK = dataclasses.replace(
     default_task("chemotaxis"), development=Development(max_cells=9, steps=80), control_steps=120, chemotaxis=Chemotaxis(least_distance=0.0)

@@ -5,15 +5,16 @@ import time
 
 import numpy as np
 import pytest
-from evodevo_ga import Settings
 from evodevo_ga.messages import evolution_message
-from evodevo_sim import perform
+from evodevo_sim.commands.replay import main
 from evodevo_sim.parameters import Scene, default_task, with_settings
 from evodevo_sim.recording import Recorder, read_recording, record_performance
-from evodevo_sim.replay.cli import main
-from evodevo_sim.replay.life import life_of
+from evodevo_sim.recording.life import life_of
 from genomes import beating
 from PIL import Image
+
+from evodevo_ga import Settings
+from evodevo_sim import perform
 
 SHORT = {"development.max_cells": 9, "control_steps": 120, "starts": 1}
 

@@ -6,11 +6,12 @@ import json
 import numpy as np
 import pytest
 import yaml
-from evodevo_sim import load_body, make_own_body, simulate_body
-from evodevo_sim.energy import stored_energy
+from evodevo_sim.commands.simulate import main
+from evodevo_sim.physics.energy import stored_energy
 from evodevo_sim.recording import read_recording
-from evodevo_sim.simulate import main
 from plain import grid, solve
+
+from evodevo_sim import load_body, make_own_body, simulate_body
 
 SQUARE = {"position": [[0, 0], [1, 0], [1, 1], [0, 1]], "springs": [[0, 1], [1, 2], [2, 3], [3, 0], [0, 2]]}
 
@@ -35,7 +36,7 @@ def command(tmp_path):
 
 def energy(document, scene, result):
     """Total energy of every frame, J, with rest lengths at rest."""
-    from evodevo_sim.motion import make_scene
+    from evodevo_sim.own_body.motion import make_scene
 
     s = make_scene(make_own_body(document), scene)
     frames = zip(result["position"], result["velocity"])
@@ -287,8 +288,8 @@ def test_a_body_that_folds_ends_with_a_named_cause_and_what_came_before(command,
 
 
 def test_the_recording_of_a_walk_holds_its_world_and_replay_draws_it(tmp_path, capsys):
-    from evodevo_sim.messages import scene_from_message
-    from evodevo_sim.replay.life import life_of
+    from evodevo_sim.recording.life import life_of
+    from evodevo_sim.ros.messages import scene_from_message
 
     body = tmp_path / "body.yaml"
     body.write_text(yaml.safe_dump({"position": [[0, 1], [1, 1], [0.5, 1.9]], "springs": [[0, 1], [1, 2], [0, 2]], "chambers": [[0, 1, 2]]}))

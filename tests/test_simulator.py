@@ -7,20 +7,21 @@ import sys
 
 import numpy as np
 import pytest
-from evodevo_msgs.msg import Body, CellStates, Genome
-from evodevo_msgs.srv import Evaluate, Load
-from evodevo_sim import Status, Task, evaluate, perform, random_genome
-from evodevo_sim.live import Animat
-from evodevo_sim.messages import evaluation_from_message, genome_message, task_message
-from evodevo_sim.nodes.common import stay_on_this_host
+from evodevo_sim.live.animat import Animat
 from evodevo_sim.nodes.simulator import LATCHED
 from evodevo_sim.parameters import default_task, with_settings
+from evodevo_sim.ros.messages import evaluation_from_message, genome_message, task_message
+from evodevo_sim.ros.process import stay_on_this_host
 from genomes import beating, dividing, first_viable, hand_made
 from geometry_msgs.msg import PoseStamped
 from lab import DEADLINE, Operator, simulators
 from rclpy.qos import qos_profile_sensor_data
 from std_srvs.srv import SetBool, Trigger
 from test_chemotaxis import pulsing_smeller
+
+from evodevo_msgs.msg import Body, CellStates, Genome
+from evodevo_msgs.srv import Evaluate, Load
+from evodevo_sim import Status, Task, evaluate, perform, random_genome
 
 NAMESPACE = f"/test_{os.getpid()}"
 TASK = with_settings(Task(), {"development.max_cells": 8, "control_steps": 40})

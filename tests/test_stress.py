@@ -5,20 +5,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from evodevo_sim import Task, evaluate
-from evodevo_sim.forces import Law
-from evodevo_sim.integrators import carry_adaptively, make_system, make_work
-from evodevo_sim.life import MOST_SUBSTEPS
-from evodevo_sim.live import Animat, NotViable
-from evodevo_sim.outcome import STIFF, Status
-from evodevo_sim.parameters import with_settings
-from evodevo_sim.physics import UNSTABLE
-from evodevo_sim.stability import EULER, RK4, bounds
-from evodevo_sim.trajectory import follow
 from bodies import slab
+from evodevo_sim.brain.life import MOST_SUBSTEPS
+from evodevo_sim.live.animat import Animat, NotViable
+from evodevo_sim.parameters import with_settings
+from evodevo_sim.physics.control_step import UNSTABLE
+from evodevo_sim.physics.forces import Law
+from evodevo_sim.physics.integrators import carry_adaptively, make_system, make_work
+from evodevo_sim.physics.replayed_motion import follow
+from evodevo_sim.physics.stability import EULER, RK4, bounds
+from evodevo_sim.tasks.outcome import STIFF, Status
 from genomes import dividing
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+from evodevo_sim import Task, evaluate
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
 from stress import stress  # noqa: E402

@@ -6,13 +6,14 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 from bodies import LAW, accelerations_of, body_of
-from evodevo_sim import Development, Scene, Task, evaluate, perform
-from evodevo_sim.forces import make_scratch, set_rest_lengths
-from evodevo_sim.life import SETTLE_TOLERANCE, develop
-from evodevo_sim.outcome import Status
-from evodevo_sim.rates import substeps_in_drag
-from evodevo_sim.swim_task import kernel_arguments
+from evodevo_sim.brain.life import SETTLE_TOLERANCE, develop
+from evodevo_sim.physics.forces import make_scratch, set_rest_lengths
+from evodevo_sim.physics.rates import substeps_in_drag
+from evodevo_sim.tasks.outcome import Status
+from evodevo_sim.tasks.swim.fitness import kernel_arguments
 from genomes import beating, dividing, first_viable, hand_made
+
+from evodevo_sim import Development, Scene, Task, evaluate, perform
 
 TASK = Task(development=Development(max_cells=16), control_steps=400)
 

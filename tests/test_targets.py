@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from evodevo_sim.live.targets import Drawn, Random, load_points
+
 from evodevo_sim import ParameterError
-from evodevo_sim.targets import Drawn, Random, load_points
 
 
 @pytest.mark.parametrize(

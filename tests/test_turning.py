@@ -4,13 +4,14 @@ import dataclasses
 
 import numpy as np
 import pytest
-from evodevo_sim import Development, ParameterError, Task, save_genome
+from evodevo_sim.analysis.turning import Turning, actuation, memory_of, turning
+from evodevo_sim.commands.turning import main
+from evodevo_sim.genetics.genome import TRANSCRIPTION_FACTOR
 from evodevo_sim.parameters import Chemotaxis, default_task
-from evodevo_sim.turning import Turning, actuation, memory_of, turning
-from evodevo_sim.turning_command import main
 from genomes import FAR, dividing, hand_made, pulsing, unit
-from evodevo_sim.genome import TRANSCRIPTION_FACTOR
 from test_chemotaxis import pulsing_smeller
+
+from evodevo_sim import Development, ParameterError, Task, save_genome
 
 TASK = dataclasses.replace(
     default_task("chemotaxis"), development=Development(max_cells=12), control_steps=400, chemotaxis=Chemotaxis(least_distance=0.0)

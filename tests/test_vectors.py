@@ -2,10 +2,32 @@
 
 import numpy as np
 import pytest
-from evodevo_sim._jit import kernel
-from evodevo_sim.vectors import (
-    all_at_most, all_below, chosen, even_pairs, evens, four, halves, high, index, join, lane, load2, load4, load4_within, low, magnitude, number,
-    odd_pairs, odds, padded4, root, store, store4_within, transpose,
+from evodevo_sim.kernels.jit import kernel
+from evodevo_sim.kernels.vectors import (
+    all_at_most,
+    all_below,
+    chosen,
+    even_pairs,
+    evens,
+    four,
+    halves,
+    high,
+    index,
+    join,
+    lane,
+    load2,
+    load4,
+    load4_within,
+    low,
+    magnitude,
+    number,
+    odd_pairs,
+    odds,
+    padded4,
+    root,
+    store,
+    store4_within,
+    transpose,
 )
 from numba.core.errors import TypingError
 

@@ -5,18 +5,19 @@ import dataclasses
 import numpy as np
 import pytest
 from evodevo_ga.arguments import parse
-from evodevo_sim import Development, ParameterError, Scene, Status, Task, evaluate, perform
-from evodevo_sim.live import Animat, NotViable
-from evodevo_sim.messages import task_from_message, task_message
+from evodevo_sim.brain.scent import disturb
+from evodevo_sim.live.animat import Animat, NotViable
 from evodevo_sim.parameters import default_task, with_settings
-from evodevo_sim.scent import disturb
-from evodevo_sim.terrain import make_terrain, touching
-from evodevo_sim.walk import Walk
-from evodevo_sim.walk_audit import trial
-from evodevo_sim.walk_task import begin, headings, noise, score, start_fitness
+from evodevo_sim.physics.terrain import make_terrain, touching
+from evodevo_sim.ros.messages import task_from_message, task_message
+from evodevo_sim.tasks.walk.audit import trial
+from evodevo_sim.tasks.walk.fitness import begin, headings, noise, score, start_fitness
+from evodevo_sim.tasks.walk.kernel import Walk
 from evodevo_sim.worlds import PRESETS, with_world
 from genomes import beating, dividing, hand_made, ring
 from rclpy.serialization import deserialize_message, serialize_message
+
+from evodevo_sim import Development, ParameterError, Scene, Status, Task, evaluate, perform
 
 TASK = with_settings(default_task("walk"), {"development.max_cells": 12, "control_steps": 400})
 
@@ -86,8 +87,8 @@ def test_the_worse_half_of_the_starts_counts_and_the_worst_is_told():
 @pytest.mark.parametrize("share, stands", [(0.6, True), (0.4, False)])
 def test_an_audit_says_how_far_it_walks_from_other_starts(monkeypatch, share, stands):
     """Nine of sixteen other starts go `share` as far as its own, the others farther: the median is what counts."""
-    from evodevo_sim import walk_audit
-    from evodevo_sim.audit import audit
+    from evodevo_sim.tasks.audit import audit
+    from evodevo_sim.tasks.walk import audit as walk_audit
 
     def trial(genome, task, directions, finer=1, seed=0):
         own = len(directions) == task.starts

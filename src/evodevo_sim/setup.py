@@ -8,7 +8,7 @@ setup(
     name=package_name,
     version="0.1.0",
     packages=find_packages(exclude=["test"]),
-    package_data={package_name: ["nodes/discovery.xml"]},
+    package_data={package_name: ["ros/discovery.xml"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
         (f"share/{package_name}", ["package.xml"]),
@@ -24,12 +24,12 @@ setup(
     entry_points={
         "console_scripts": [
             "simulator = evodevo_sim.nodes.simulator:main",
-            "audit = evodevo_sim.audit_command:main",
-            "simulate = evodevo_sim.simulate:main",
-            "gait = evodevo_sim.gait.cli:main",
-            "replay = evodevo_sim.replay.cli:main",
+            "audit = evodevo_sim.commands.audit:main",
+            "simulate = evodevo_sim.commands.simulate:main",
+            "gait = evodevo_sim.commands.gait:main",
+            "replay = evodevo_sim.commands.replay:main",
             "chase = evodevo_sim.nodes.chase:main",
-            "turning = evodevo_sim.turning_command:main",
+            "turning = evodevo_sim.commands.turning:main",
         ],
     },
 )

@@ -7,12 +7,13 @@ import os
 from datetime import datetime
 from pathlib import Path
 
-from evodevo_sim import Genome, GenomeError, ParameterError, Task, load_genome
-from evodevo_sim.command_line import Parser, pairs
-from evodevo_sim.nodes.common import without_ros
 from evodevo_sim.parameters import PRESETS, TASKS, default_task, preset, with_settings
+from evodevo_sim.ros.command_line import Parser, pairs
+from evodevo_sim.ros.process import without_ros
 from evodevo_sim.worlds import PRESETS as WORLDS
 from evodevo_sim.worlds import with_world
+
+from evodevo_sim import Genome, GenomeError, ParameterError, Task, load_genome
 
 from .feasible import check
 from .settings import OF_TASK, SCHEMES, Settings, default_scheme, scheme

@@ -8,8 +8,9 @@ import time
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 
+from evodevo_sim.tasks.audit import Audit, audit
+
 from evodevo_sim import Task
-from evodevo_sim.audit import Audit, audit
 
 from .evolution import Individual
 

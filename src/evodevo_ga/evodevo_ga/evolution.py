@@ -21,6 +21,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+
 from evodevo_sim import Evaluation, Genome, ParameterError, Status, random_genome
 
 from .niches import niche_of

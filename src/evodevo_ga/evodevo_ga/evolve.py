@@ -8,19 +8,21 @@ import sys
 import time
 
 import rclpy
-from evodevo_msgs import msg
-from evodevo_sim import audit, perform, save_genome
-from evodevo_sim.evaluation import prepare
-from evodevo_sim.gait import GaitError, analyse, track_of_performance
-from evodevo_sim.gait.table import headline
-from evodevo_sim.messages import gait_message
-from evodevo_sim.nodes.common import stay_on_this_host
-from evodevo_sim.nodes.own import OwnSimulators
+from evodevo_sim.analysis.gait import GaitError, analyse, track_of_performance
+from evodevo_sim.analysis.gait.table import headline
 from evodevo_sim.recording import Recorder, RecordingError, record_performance
+from evodevo_sim.ros.messages import gait_message
+from evodevo_sim.ros.own_simulators import OwnSimulators
+from evodevo_sim.ros.process import stay_on_this_host
+from evodevo_sim.tasks import audit
+from evodevo_sim.tasks.evaluation import prepare
 from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
 from tqdm import tqdm
+
+from evodevo_msgs import msg
+from evodevo_sim import perform, save_genome
 
 from .arguments import Options, cores, parse
 from .auditor import Auditor, Finding

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from evodevo_sim.physics.rates import ACCURATE_RK4, MOST_SUBSTEPS
+
 from evodevo_sim import Genome, ParameterError, Task
-from evodevo_sim.rates import ACCURATE_RK4, MOST_SUBSTEPS
 
 from .settings import Settings
 

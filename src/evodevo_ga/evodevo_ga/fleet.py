@@ -6,10 +6,11 @@ import time
 from collections import deque
 from dataclasses import dataclass
 
+from evodevo_sim.ros.messages import evaluation_from_message, genome_message, task_message
+from rclpy.callback_groups import ReentrantCallbackGroup
+
 from evodevo_msgs.srv import Evaluate
 from evodevo_sim import Evaluation, Genome, Task
-from evodevo_sim.messages import evaluation_from_message, genome_message, task_message
-from rclpy.callback_groups import ReentrantCallbackGroup
 
 from .times import MESSAGES, Times
 

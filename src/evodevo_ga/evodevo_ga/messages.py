@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict
 
+from evodevo_sim.ros.messages import evaluation_message, genome_message, task_message, time_message
+
 from evodevo_msgs import msg
 from evodevo_sim import Genome, Task, __version__
-from evodevo_sim.messages import evaluation_message, genome_message, task_message, time_message
 
 from .auditor import Finding
 from .evolution import Generation, Individual

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from evodevo_sim import ParameterError
 from evodevo_sim.parameters import Checked, parameter
+
+from evodevo_sim import ParameterError
 
 
 @dataclass(frozen=True)

@@ -4,13 +4,13 @@
     evaluation = evaluate(load_genome("champion.yaml"))
 """
 
-from .body_file import BodyError, OwnBody, load_body, make_own_body
-from .evaluation import Performance, evaluate, perform
-from .genome import Genome, GenomeError, random_genome
-from .genome_file import load_genome, parse_genome, save_genome
-from .motion import Motion, simulate_body
-from .outcome import Evaluation, Metrics, Status
+from .genetics.genome import Genome, GenomeError, random_genome
+from .genetics.genome_file import load_genome, parse_genome, save_genome
+from .own_body.body_file import BodyError, OwnBody, load_body, make_own_body
+from .own_body.motion import Motion, simulate_body
 from .parameters import Development, Material, ParameterError, Scene, Task
+from .tasks.evaluation import Performance, evaluate, perform
+from .tasks.outcome import Evaluation, Metrics, Status
 
 __version__ = "0.1.0"
 

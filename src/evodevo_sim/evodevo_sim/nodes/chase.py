@@ -11,24 +11,25 @@ from pathlib import Path
 
 import numpy as np
 import rclpy
-from evodevo_msgs.msg import Body, CellStates
-from evodevo_msgs.srv import Load
 from geometry_msgs.msg import PoseStamped
 from rclpy.experimental import EventsExecutor
 from rclpy.qos import qos_profile_sensor_data
 from rclpy.signals import SignalHandlerOptions
 from tqdm import tqdm
 
-from ..champion import Champion, champion_of
-from ..command_line import Parser, pairs
-from ..genome import GenomeError
-from ..messages import genome_message, target_message, task_message
+from evodevo_msgs.msg import Body, CellStates
+from evodevo_msgs.srv import Load
+
+from ..genetics.genome import GenomeError
+from ..live.targets import Drawn, Random, load_points
 from ..parameters import ParameterError
 from ..recording import Recorder, RecordingError, read_recording
-from ..replay.files import OutputError
-from ..targets import Drawn, Random, load_points
-from .common import stay_on_this_host, without_ros
-from .own import OwnSimulators
+from ..recording.champion import Champion, champion_of
+from ..ros.command_line import Parser, pairs
+from ..ros.messages import genome_message, target_message, task_message
+from ..ros.own_simulators import OwnSimulators
+from ..ros.process import stay_on_this_host, without_ros
+from ..view.files import OutputError
 from .simulator import LATCHED, NEWEST
 
 _EPILOG = """\
@@ -124,7 +125,7 @@ def _targets(given):
 def _viewer(given, stack, champion: Champion):
     if not (given.view or given.save):
         return None
-    from ..replay.live_view import LiveView
+    from ..view.live_view import LiveView
 
     return stack.enter_context(LiveView(champion.name, given.save, given.view, champion.task.chemotaxis.scent_reach))
 

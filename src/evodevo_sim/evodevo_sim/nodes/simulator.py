@@ -6,8 +6,6 @@ import math
 import sys
 import time
 
-from evodevo_msgs.msg import Body, CellStates
-from evodevo_msgs.srv import Evaluate, Load
 from geometry_msgs.msg import PoseStamped
 from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
 from rclpy.node import Node
@@ -15,16 +13,23 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profi
 from rclpy.time import Time
 from std_srvs.srv import SetBool, Trigger
 
-from ..command_line import Parser
-from ..evaluation import evaluate, invalid, prepare
-from ..genome import Genome, GenomeError
-from ..live import Animat, NotViable, Stage
-from ..messages import (
-    body_message, cell_states_message, evaluation_message, genome_from_message, task_from_message,
-)
-from ..outcome import Evaluation
+from evodevo_msgs.msg import Body, CellStates
+from evodevo_msgs.srv import Evaluate, Load
+
+from ..genetics.genome import Genome, GenomeError
+from ..live.animat import Animat, NotViable, Stage
 from ..parameters import TASKS, ParameterError, default_task
-from .common import run
+from ..ros.command_line import Parser
+from ..ros.messages import (
+    body_message,
+    cell_states_message,
+    evaluation_message,
+    genome_from_message,
+    task_from_message,
+)
+from ..ros.process import run
+from ..tasks.evaluation import evaluate, invalid, prepare
+from ..tasks.outcome import Evaluation
 
 LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..evaluation import Performance
-from ..messages import body_message, cell_states_message, graph_message, target_message, time_message
+from ..ros.messages import body_message, cell_states_message, graph_message, target_message, time_message
+from ..tasks.evaluation import Performance
 
 
 def record_performance(recorder, performance: Performance, stamp: int) -> None:

@@ -9,12 +9,13 @@ from contextlib import nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from evodevo_msgs import msg
 from geometry_msgs.msg import PoseStamped
 from mcap.exceptions import InvalidMagic, McapError
 from mcap.reader import NonSeekingReader
 from rclpy.serialization import deserialize_message
 from zstandard import ZstdError
+
+from evodevo_msgs import msg
 
 from .definitions import RecordingError, definition, type_name
 

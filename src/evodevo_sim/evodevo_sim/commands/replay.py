@@ -1,0 +1,134 @@
+"""`ros2 run evodevo_sim replay`: a recording in the Rerun viewer, as a Rerun file or as a picture."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shlex
+import signal
+import sys
+import tempfile
+from contextlib import contextmanager
+from pathlib import Path
+
+from ..ros.command_line import Parser
+
+_EPILOG = """\
+examples:
+  ros2 run evodevo_sim replay
+      the newest recording under bags/ in the Rerun viewer; without a display it saves a Rerun file and says where
+  ros2 run evodevo_sim replay bags/long --save long.rrd
+      keep the Rerun file; `rerun long.rrd` shows it again, here or on another computer
+  ros2 run evodevo_sim replay bags/long --no-viewer --png long.png
+      a picture alone: growth, swim, muscles, fitness; it needs no Rerun
+
+A recording is a directory that `evolve` or `ros2 bag record -s mcap` made, or an .mcap file; one that was cut off is shown
+as far as it goes.  An older .rrd or .png of the same name is replaced when the new one is complete; any other file is left alone.
+The viewer that replay opens sends no statistics of its use to its makers; `rerun analytics disable` turns them off for others.
+In the viewer: space plays and pauses, the timeline `generation` shows the curves of a run, dragging and scrolling move the view.
+"""
+
+
+def _parse(arguments: list[str] | None) -> argparse.Namespace:
+    parser = Parser("replay", "Show a recording: how an animat grew and swims, and how a run evolved it.", _EPILOG)
+    parser.add_argument("recording", nargs="?", type=Path, metavar="RECORDING", help="default: the newest one under bags/")
+    parser.add_argument("--save", type=Path, metavar="FILE.rrd", help="save a Rerun file")
+    parser.add_argument("--png", type=Path, metavar="FILE.png", help="save a picture, 1600 pixels wide")
+    only = "only save: what is named, or else a Rerun file as without a display"
+    parser.add_argument("--no-viewer", action="store_true", help=only)
+    return parser.parse_args(arguments)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Returns the exit code: 0, 2 after an error that the user can mend, 130 after Ctrl-C."""
+    for number in (signal.SIGINT, signal.SIGTERM):  # also where a shell in the background ignores Ctrl-C for its children
+        signal.signal(number, signal.default_int_handler)
+    try:
+        options = _parse(arguments)
+        from ..recording import RecordingError
+        from ..view.files import OutputError
+
+        try:
+            return _replay(options)
+        except (RecordingError, OutputError) as error:
+            print(f"replay: {error}", file=sys.stderr)
+            return 2
+    except KeyboardInterrupt:
+        return 130
+
+
+def _replay(options: argparse.Namespace) -> int:
+    from ..recording import read_recording
+    from ..recording.life import life_of
+    from ..view import files, viewer
+    from ..view.summary import name_of
+
+    for path, ending in ((options.save, ".rrd"), (options.png, ".png")):
+        if path:
+            files.check(path, ending)
+    source = options.recording or _newest(Path("bags"))
+    recording = read_recording(source, progress=True)
+    if recording.truncated:
+        print(f"replay: the end of {source} is missing: showing what was saved", file=sys.stderr)
+    life = life_of(recording)
+    if options.png:
+        _picture(recording, life, options.png)
+    opens = viewer.has_display() and viewer.is_installed() and not options.no_viewer
+    if opens and not options.save:
+        with tempfile.TemporaryDirectory(prefix="evodevo-") as directory:
+            file = os.path.join(directory, f"{name_of(source)}.rrd")
+            with _bar("Preparing") as step:
+                viewer.save(recording, life, file, step)
+            return viewer.show(file)
+    if options.no_viewer and options.png and not options.save:
+        return 0
+    if options.png and not options.save and not viewer.is_installed():
+        print(f"replay: {viewer.NO_RERUN}", file=sys.stderr)
+        return 0
+    target = options.save or _beside(source)
+    with files.whole(target, ".rrd") as file, _bar("Saving") as step:
+        viewer.save(recording, life, file, step)
+    print(f"Saved {target}.  See it:   rerun {shlex.quote(str(target))}", flush=True)
+    return viewer.show(target) if opens else 0
+
+
+def _newest(directory: Path) -> Path:
+    """The recording whose files were written last."""
+    from ..recording import RecordingError
+
+    written = {}
+    for file in directory.glob("**/*.mcap"):
+        written[file.parent] = max(file.stat().st_mtime, written.get(file.parent, 0.0))
+    if not written:
+        raise RecordingError(f"{directory}/ holds no recording: make one by `ros2 run evodevo_ga evolve`, or name one")
+    return max(written, key=written.get)
+
+
+def _beside(source: Path) -> Path:
+    """Where a Rerun file goes that the user gave no name: into the recording's directory, or else here."""
+    from ..view.summary import name_of
+
+    directory, name = source if source.is_dir() else source.parent, f"{name_of(source)}.rrd"
+    return directory / name if os.access(directory, os.W_OK) else Path(name)
+
+
+def _picture(recording, life, path: Path) -> None:
+    from ..view import files
+    from ..view.picture import save_story
+
+    with files.whole(path, ".png") as file, _bar("Drawing") as step:
+        save_story(recording, life, file, step)
+    print(f"Saved {path}")
+
+
+@contextmanager
+def _bar(what: str, parts: int = 4):
+    """A bar on stderr once it has taken two seconds.  Yields what is to be called with the name of each part at its begin."""
+    from tqdm import tqdm
+
+    with tqdm(desc=what, total=parts, delay=2, unit="part", leave=False) as bar:
+        yield lambda part: (bar.set_postfix_str(part, refresh=False), bar.update())
+
+
+if __name__ == "__main__":
+    sys.exit(main())

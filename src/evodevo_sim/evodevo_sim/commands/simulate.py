@@ -1,0 +1,110 @@
+"""`ros2 run evodevo_sim simulate`: a body of your own, from its file into a recording and an NPZ file."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+from ..own_body.body_file import BodyError, load_body
+from ..own_body.motion import FRAME, SCENES, Motion, simulate_body
+from ..parameters import ParameterError
+from ..physics.stability import INTEGRATORS
+from ..recording import Recorder, RecordingError
+from ..ros.command_line import Parser, say_if_compiling
+from ..ros.messages import body_message, cell_states_message, scene_message
+from ..ros.process import without_ros
+from ..whole_file import written_whole
+from ..worlds import PRESETS
+
+_EPILOG = """\
+examples:
+  ros2 run evodevo_sim simulate body.yaml --scene swim --duration 10 --out bags/mine
+      in steps that follow from the body; the NPZ file, if any, has a frame every 1/60 s
+  ros2 run evodevo_sim simulate body.yaml --scene free --duration 10 --dt 0.001 --integrator verlet --out bags/mine --npz mine.npz
+      in steps of exactly 1 ms, each of which is a frame of the NPZ file
+  ros2 run evodevo_sim simulate body.yaml --scene swim --duration 10 --tolerance 1e-10 --out bags/mine
+
+scenes:
+  swim   fluid drag; no gravity
+  walk   gravity and ground with Coulomb friction, flat at y = 0 unless --world says otherwise; no drag
+  free   no ground, and of the other terms those alone that the file's scene names
+
+The NPZ file holds time (T,), position (T, N, 2) and velocity (T, N, 2), float64. The recording holds about 60 frames a second.
+Exit code: 0; 1 where the physics failed, and what came before is kept; 2 for bad input. docs/simulate.md tells the file's keys.
+"""
+
+
+def main(arguments: list[str] | None = None) -> int:
+    parser = Parser("simulate", "Simulate a soft body of your own.", _EPILOG)
+    parser.add_argument("body", metavar="BODY", help="a body file, YAML or JSON")
+    parser.add_argument("--scene", default="swim", metavar="NAME", help=f"{', '.join(SCENES)} (default %(default)s)")
+    parser.add_argument("--world", metavar="NAME|FILE", help=f"walk: {', '.join(PRESETS)}, or a file (docs/walking.md; default flat)")
+    parser.add_argument("--duration", required=True, type=float, metavar="S", help="simulated seconds")
+    parser.add_argument("--dt", type=float, metavar="S", help="seconds of a step, exactly")
+    parser.add_argument("--tolerance", type=float, metavar="M", help="most error of an adaptive step, in m and m/s")
+    parser.add_argument("--integrator", metavar="NAME", help=f"{', '.join(INTEGRATORS)} (default euler in walk, or else rk4)")
+    parser.add_argument("--out", required=True, metavar="BAG", help="directory of the recording, made anew")
+    parser.add_argument("--npz", metavar="FILE", help="a file for every frame, made anew")
+    given = parser.parse_args(without_ros(parser, sys.argv[1:] if arguments is None else arguments))
+    try:
+        _refuse_existing(given)
+        own = load_body(given.body)
+        say_if_compiling("trajectory.follow")
+        motion = simulate_body(
+            own, given.scene, given.duration, dt=given.dt, tolerance=given.tolerance, integrator=given.integrator,
+            world=given.world,
+        )
+        with Recorder(given.out) as recorder:
+            record_motion(recorder, own, motion, time.time_ns())
+        if given.npz:
+            save_motion(given.npz, motion)
+    except (BodyError, ParameterError, RecordingError) as error:
+        parser.exit(2, f"{parser.prog}: {error}\n")
+    law = motion.system.law
+    print(
+        f"{motion.time[-1]:g} s of {given.scene} by {motion.integrator} with drag_normal {law.drag_normal:g}, drag_tangential "
+        f"{law.drag_tangential:g}, gravity {motion.system.gravity:g}, friction {motion.system.friction:g}.\n"
+        f"See it:   ros2 run evodevo_sim replay {given.out}"
+    )
+    if motion.cause:
+        print(f"simulate: {motion.cause}; what came before is kept", file=sys.stderr)
+        return 1
+    return 0
+
+
+def _refuse_existing(given):
+    for name in filter(None, (given.out, given.npz)):
+        if Path(name).exists():
+            raise RecordingError(f"{name} exists already and is never overwritten: choose another name")
+    if given.npz and not Path(given.npz).absolute().parent.is_dir():
+        raise RecordingError(f"{given.npz}: its directory does not exist: make it, or choose another name")
+
+
+def record_motion(recorder, own, motion: Motion, stamp: int) -> None:
+    """Write a motion to a `Recorder` from `stamp` ns on, in about 60 frames a second."""
+    recorder.write("body", body_message(own.body), stamp, latched=True)
+    if motion.world is not None:
+        recorder.write("scene", scene_message(motion.world), stamp, latched=True)
+    every = max(1, round(FRAME / (motion.time[1] - motion.time[0]))) if len(motion.time) > 1 else 1
+    frames = range(0, len(motion.time), every)
+    for k in (*frames, *({len(motion.time) - 1} - {frames[-1]})):
+        seconds = float(motion.time[k])
+        message = cell_states_message(motion.position[k], motion.velocity[k], motion.activation[k], k, seconds)
+        recorder.write("cell_states", message, stamp + round(seconds * 1e9))
+
+
+def save_motion(path: str | os.PathLike, motion: Motion) -> None:
+    """Write an NPZ file of time (T,) s, position (T, N, 2) m, velocity (T, N, 2) m/s, float64; whole or not at all."""
+    try:
+        with written_whole(path, ".npz") as name:
+            np.savez(name, time=motion.time, position=motion.position, velocity=motion.velocity)
+    except OSError as error:
+        raise RecordingError(f"{path} cannot be written ({error.strerror}): choose another name") from None
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,69 @@
+"""`ros2 run evodevo_sim turning GENOME|BAG ...`: how champions turn towards targets, a line each, and drawn as the paper's Fig. 6."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from ..analysis.turning import Turning, turning
+from ..genetics.genome import GenomeError
+from ..parameters import ParameterError
+from ..recording import RecordingError
+from ..recording.champion import champion_of
+from ..ros.command_line import Parser, pairs, say_if_compiling
+from ..ros.process import without_ros
+from ..view.files import OutputError, check, whole
+
+_EPILOG = """\
+examples:
+  ros2 run evodevo_sim turning bags/RUN
+      the last champion of a run of chemotaxis
+  ros2 run evodevo_sim turning bags/one bags/two champion.yaml --out turning.png
+      three champions, and their turning maps: each cell's mean activation in a turn, minus that on the way without a target
+
+A line says: to which sides it turns and how far, and the last distance from each target over the first; strategy, posture (mean
+activation changes most) or stroke (its amplitude does); which side contracts; and control: reactive, where muscles depend on the
+scent of the moment, or internal state, where its history counts (the share of the scent's effect that does).
+"""
+
+
+def main(arguments: list[str] | None = None) -> int:
+    parser = Parser("turning", "Analyse how animats turn towards targets.", _EPILOG)
+    parser.add_argument("sources", nargs="+", metavar="GENOME|BAG", help="genome files, or recordings of runs")
+    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="for genomes: a number of the task")
+    parser.add_argument("--out", type=Path, metavar="FILE.png", help="save a picture")
+    given = parser.parse_args(without_ros(parser, sys.argv[1:] if arguments is None else arguments))
+    try:
+        if given.out:
+            check(given.out, ".png")
+        champions = [champion_of(source, pairs(given.set), "chemotaxis") for source in given.sources]
+        say_if_compiling("chemotaxis.trials")
+        found = []
+        for champion in champions:
+            try:
+                found.append((champion.name, turning(champion.genome, champion.task, champion.seed)))
+            except ParameterError as error:
+                raise ParameterError(f"{champion.name}: {error}") from None
+            print(line(*found[-1]), flush=True)
+        if given.out:
+            from ..view.turning_picture import save_turning
+
+            with whole(given.out, ".png") as file:
+                save_turning(found, file)
+            print(f"Saved {given.out}")
+    except (GenomeError, OutputError, ParameterError, RecordingError) as error:
+        parser.exit(2, f"{parser.prog}: {error}\n")
+    return 0
+
+
+def line(name: str, found: Turning) -> str:
+    left, right = found.turn
+    return (
+        f"{name}: turns to {found.turns} (left {left:+.2f} rad, right {right:+.2f} rad), distance x {found.ratio[0]:.2f} and "
+        f"x {found.ratio[1]:.2f}; strategy {found.strategy}, contracts the {found.side} side ({found.near[0]:+.3f}, "
+        f"{found.near[1]:+.3f}); {found.control} ({found.memory:.2f})"
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,102 @@
+"""Genomes on disk: one YAML file, an element a line, exact to the last bit.
+
+    evodevo_genome: 1
+    about: {task: swim, fitness: '3.2'}
+    elements:                                       # the first eight are the header, in this order
+    - {special: maternal_x, sign: +1, x: 0.5, y: -1.25}
+    - {kind: regulatory, sign: -1, x: 1.5, y: 0.0}
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import yaml
+
+from ..whole_file import written_whole
+from .genome import HEADER, HEADER_NAMES, KINDS, SPECIAL, Genome, GenomeError
+
+VERSION = 1
+_KIND_NUMBER = {name: number for number, name in enumerate(KINDS)}
+_Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
+def genome_text(genome: Genome, about: dict[str, str] | None = None) -> str:
+    """The text of a genome file; `about` is free: what the genome is and where it comes from."""
+    lines = [f"evodevo_genome: {VERSION}"]
+    if about:
+        lines.append(yaml.safe_dump({"about": {k: str(v) for k, v in about.items()}}, sort_keys=False).rstrip())
+    lines.append(f"elements:  # the first {HEADER} are the header, in this order")
+    for i, (kind, sign, x, y) in enumerate(zip(*(a.tolist() for a in genome.arrays()))):
+        name = f"{KINDS[kind]}: {HEADER_NAMES[i]}" if kind == SPECIAL else f"kind: {KINDS[kind]}"
+        lines.append(f"- {{{name}, sign: {sign:+d}, x: {_number(x)}, y: {_number(y)}}}")
+    return "\n".join(lines) + "\n"
+
+
+def _number(value: float) -> str:
+    """The shortest text of exactly this number that YAML 1.1 reads as one: it wants 1.0e-12, not 1e-12."""
+    mantissa, e, exponent = repr(value).partition("e")
+    return mantissa + (".0" if e and "." not in mantissa else "") + e + exponent
+
+
+def save_genome(path: str | os.PathLike, genome: Genome, about: dict[str, str] | None = None) -> None:
+    """Write a genome file, whole or not at all."""
+    with written_whole(path) as name:
+        Path(name).write_text(genome_text(genome, about), encoding="utf-8")
+
+
+def load_genome(path: str | os.PathLike) -> Genome:
+    """Read a genome file.  Raises GenomeError that names file, element and mend."""
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except OSError as error:
+        raise GenomeError(f"{path}: {error.strerror}: give the path of a genome file") from None
+    except UnicodeDecodeError:
+        raise GenomeError(f"{path}: not a text file: give a genome file, YAML that begins with 'evodevo_genome: {VERSION}'") from None
+    try:
+        return parse_genome(text)
+    except GenomeError as error:
+        raise GenomeError(f"{path}: {error}") from None
+
+
+def parse_genome(text: str) -> Genome:
+    """The genome of a genome file's text."""
+    try:
+        document = yaml.load(text, _Loader)
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        raise GenomeError(f"not valid YAML{f' at line {mark.line + 1}' if mark else ''}: mend it or use an intact copy") from None
+    if not isinstance(document, dict) or "evodevo_genome" not in document:
+        raise GenomeError(f"not a genome file: it must begin with 'evodevo_genome: {VERSION}'")
+    if document["evodevo_genome"] != VERSION:
+        raise GenomeError(f"version {document['evodevo_genome']!r} is unknown: this program reads version {VERSION}")
+    unknown = sorted(set(document) - {"evodevo_genome", "about", "elements"}, key=str)
+    if unknown:
+        raise GenomeError(f"unknown key {unknown[0]!r}: use 'about' and 'elements'")
+    elements = document.get("elements")
+    if not isinstance(elements, list):
+        raise GenomeError("'elements' is missing or not a list: give one entry per genetic element")
+    columns = [_element(i, entry) for i, entry in enumerate(elements)]
+    return Genome(*([column[k] for column in columns] for k in range(4)))
+
+
+def _element(i, entry):
+    special = i < HEADER
+    names = {"special" if special else "kind", "sign", "x", "y"}
+    if not isinstance(entry, dict) or set(entry) != names:
+        raise GenomeError(f"element {i}: give exactly the keys {', '.join(sorted(names))}")
+    if special:
+        if entry["special"] != HEADER_NAMES[i]:
+            raise GenomeError(f"element {i}: special is {entry['special']!r}: the header has {HEADER_NAMES[i]!r} here")
+        kind = SPECIAL
+    else:
+        kind = _KIND_NUMBER.get(entry["kind"], SPECIAL) if isinstance(entry["kind"], str) else SPECIAL
+        if kind == SPECIAL:
+            raise GenomeError(f"element {i}: kind is {entry['kind']!r}: use one of {', '.join(KINDS[1:])}")
+    for key in ("sign", "x", "y"):
+        if isinstance(entry[key], bool) or not isinstance(entry[key], (int, float)):
+            raise GenomeError(f"element {i}: {key} is {entry[key]!r}: give a number")
+    if entry["sign"] not in (1, -1):
+        raise GenomeError(f"element {i}: sign is {entry['sign']!r}: give +1 or -1")
+    return kind, int(entry["sign"]), float(entry["x"]), float(entry["y"])

@@ -1,0 +1,205 @@
+"""Living animats, one control step at a time, by the kernels that evaluation runs: the same life, bit for bit."""
+
+from __future__ import annotations
+
+import queue
+import threading
+import time
+from concurrent.futures import Future
+
+import numpy as np
+
+from ..brain.life import birth
+from ..brain.scent import make_signals, scent_row
+from ..genetics.genome import Genome
+from ..parameters import ParameterError, Task
+from ..tasks.outcome import FAILURE, STIFF, Status
+from ..tasks.swim.fitness import kernel_arguments
+from ..tasks.swim.kernel import live
+from ..tasks.walk import fitness as walk_task
+
+_NOT_KEPT = np.empty((0, 0))
+_NO_TRACK = np.empty((0, 0, 0))
+_CATCH_UP = 0.1  # s behind its pace from which a stage no longer tries to catch up
+_ANSWER_WITHIN = 10.0  # s; a step of the largest body takes less
+
+
+class NotViable(ValueError):
+    """A genome that grows nothing which could move; the message says what is missing."""
+
+
+class Animat:
+    """An animat that lives for as long as it is stepped.
+
+    Args: genome, task, seed: as for `evaluate`, but that no number of control steps ends it.  Raises NotViable.
+
+    Attributes:
+        body: see `body.Body`.
+        position (N, 2) m, velocity (N, 2) m/s, activation (N,) of e - c: read-only views of the present state.
+        steps: control steps lived; time: s of them.
+        status: OK; RESTING, when nothing will ever change again; UNSTABLE or INVERTED, after which it stays as it is.
+        target: (x, y) m, whose scent the cells sense from the next step on if the task has targets; or None.
+    """
+
+    def __init__(self, genome: Genome, task: Task = Task(), seed: int = 0):
+        self.genome, self.task, self.seed = genome, task, seed
+        self.target: tuple[float, float] | None = None
+        self.reset()
+
+    def reset(self) -> None:
+        """Back to birth.  The target stays."""
+        status, self._mover, self._life = _BEGIN[self.task.name](self.genome, self.task, self.seed)
+        self.status = Status(status)
+        if self.status != Status.OK:
+            raise NotViable(STIFF if self.status == Status.UNSTABLE else self.cause)
+        self.steps = 0
+        self.body = self._life.body
+        self.position, self.velocity, self.activation = (
+            _read_only(array) for array in (self._life.position.T, self._life.velocity.T, self._life.muscle)
+        )
+
+    @property
+    def time(self) -> float:
+        return self.steps * self.task.control_step
+
+    @property
+    def cause(self) -> str:
+        """What failed, or nothing."""
+        return FAILURE[self.status][1] if self.status in FAILURE else ""
+
+    def step(self) -> None:
+        """Live for one control step: one regulation step, then the body's."""
+        if self.status == Status.OK:
+            task = self.task
+            status, _ = _LIVE[task.name](
+                self._mover, self.steps, self.steps + 1, task.control_step, task.development.arguments(),
+                task.development.variant == "continual_graph", self._signals(), _NOT_KEPT, _NO_TRACK, _NOT_KEPT,
+            )
+            rests = status == Status.RESTING and not task.has_target  # a target may come and wake it
+            self.status = Status.OK if status == Status.RESTING and not rests else Status(status)
+        self.steps += 1
+
+    def _signals(self):
+        """What `live` takes besides: scent and noise."""
+        task, target = self.task, self.target if self.task.has_target else None
+        if task.has_target and target is None:
+            self._life.table[scent_row(self._life.units)] = 0.0
+        scent = task.chemotaxis
+        return make_signals(target, scent.scent_peak, scent.scent_reach, task.noise.arguments(), self.seed)
+
+
+def _begin_swim(genome, task, _seed):
+    genome, task, *others = kernel_arguments(genome, task)
+    status, life = birth(genome, *others, task.control_step, 1)
+    return status, life, life
+
+
+# By task: begin(genome, task, seed) -> (status, what live moves, Life); live: see `swim.live`
+_BEGIN = {"swim": _begin_swim, "chemotaxis": _begin_swim, "walk": walk_task.begin}
+_LIVE = {"swim": live, "chemotaxis": live, "walk": walk_task.live}
+
+
+def _read_only(array):
+    view = array.view()
+    view.flags.writeable = False
+    return view
+
+
+class Stage:
+    """Lets one animat live in a thread of its own, at a pace.
+
+    Args:
+        show: called in that thread with the animat when it is loaded or reset, and after every `every` steps.
+        stopped: called in that thread with a one-line reason when the animat cannot go on.
+
+    The thread owns the animat: the methods ask it, and return when it has done as they ask.
+    """
+
+    def __init__(self, show, stopped, every: int = 1):
+        self.every = every
+        self._show, self._stopped = show, stopped
+        self._asked: queue.SimpleQueue = queue.SimpleQueue()
+        self._animat: Animat | None = None
+        self._target: tuple[float, float] | None = None
+        self._interval, self._due = 0.0, 0.0
+        self._paused = self._closed = False
+        self._thread = threading.Thread(target=self._run, name="stage", daemon=True)
+        self._thread.start()
+
+    def load(self, animat: Animat, real_time_factor: float) -> bool:
+        """Replace the animat; the last target stays.  Args: real_time_factor: simulated s per s; 0 is as fast as it goes.
+
+        Returns whether another one lived until then.
+        """
+        if not 0.0 <= real_time_factor <= 1e6:
+            raise ParameterError(f"real_time_factor is {real_time_factor!r}: give a number up to 1e6, or 0 for as fast as it goes")
+        return self._do(lambda: self._enter(animat, animat.task.control_step / real_time_factor if real_time_factor else 0.0))
+
+    def pause(self, paused: bool) -> bool:
+        """Hold the animat, or let it go on.  Returns whether there is one."""
+        return self._do(lambda: self._hold(paused))
+
+    def reset(self) -> bool:
+        """Back to birth.  Returns whether there is an animat."""
+        return self._do(lambda: self._animat is not None and self._enter(self._animat, self._interval, anew=True))
+
+    def aim(self, target: tuple[float, float] | None) -> None:
+        """Set the target of this animat and of those to come, from the next control step on.
+
+        Nobody waits: however often this is called, the animat keeps its pace.
+        """
+        self._target = target
+
+    def close(self) -> None:
+        """End the thread.  Nothing is shown afterwards."""
+        if not self._closed:
+            self._do(lambda: setattr(self, "_closed", True))
+        self._thread.join()
+
+    def _do(self, action):
+        if self._closed:
+            raise RuntimeError("the stage is closed")
+        future: Future = Future()
+        self._asked.put((action, future))
+        return future.result(_ANSWER_WITHIN)
+
+    def _run(self):
+        while not self._closed:
+            lives = self._animat is not None and not self._paused
+            try:
+                action, future = self._asked.get(timeout=max(0.0, self._due - time.monotonic()) if lives else None)
+            except queue.Empty:
+                self._step()
+                continue
+            try:
+                future.set_result(action())
+            except Exception as error:
+                future.set_exception(error)
+
+    def _step(self):
+        self._due = max(self._due + self._interval, time.monotonic() - _CATCH_UP)
+        try:
+            self._animat.target = self._target
+            self._animat.step()
+            if self._animat.steps % self.every == 0:
+                self._show(self._animat)
+            cause = self._animat.cause
+        except Exception as error:
+            cause = f"unexpectedly: {error!r}"
+        if cause:
+            self._animat = None
+            self._stopped(cause)
+
+    def _enter(self, animat, interval, anew=False):
+        if anew:
+            animat.reset()
+        others = self._animat is not None
+        animat.target = self._target
+        self._animat, self._interval, self._due = animat, interval, time.monotonic() + interval
+        self._show(animat)
+        return anew or others
+
+    def _hold(self, paused):
+        self._paused = paused
+        self._due = time.monotonic() + self._interval
+        return self._animat is not None

@@ -1,0 +1,216 @@
+"""The solid world around a walker: ground and ceiling as height profiles, in kernels and out of them.
+
+A profile is a polyline, single-valued: points (x, y) m with x ascending, level beyond both ends.  No points of ground: flat at
+y = 0; none of ceiling: open sky.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..kernels.jit import lean
+
+CELL = 1.0  # m, diameter
+_FAR = 1e9  # m, where a profile's level ends end
+_LEAST_RUN = 1e-3  # m, from one point to the next
+_MOST_POINTS = 100_000
+_CLOSE = 1e-9  # m, and of a height: as near as rounding leaves what touches
+
+# x, y (K,): the ground, padded with its level ends, or empty: flat at 0; top: its highest point; ceiling_x, ceiling_depth,
+# bottom: likewise the ceiling, upside down (-y), and its lowest point; empty and infinity where there is none; tip_x, tip_y (T,):
+# the vertices of the ground that an edge of a body can meet between its cells, those that point up; ceiling_tip_x,
+# ceiling_tip_depth: likewise
+Terrain = namedtuple(
+    "Terrain", "x y top ceiling_x ceiling_depth bottom tip_x tip_y ceiling_tip_x ceiling_tip_depth"
+)
+FLAT = Terrain(*(np.zeros(0),) * 2, 0.0, *(np.zeros(0),) * 2, np.inf, *(np.zeros(0),) * 4)
+
+
+def make_terrain(scene) -> Terrain:
+    """The terrain of a `parameters.Scene`, as kernels take it."""
+    if not scene.ground_x and not scene.ceiling_x:
+        return FLAT
+    ground = _padded(scene.ground_x or (0.0, 1.0), scene.ground_y or (0.0, 0.0))
+    ceiling = _padded(scene.ceiling_x, scene.ceiling_y) if scene.ceiling_x else (np.zeros(0), np.zeros(0))
+    bottom = float(ceiling[1].min()) if scene.ceiling_x else np.inf
+    depth = -ceiling[1]
+    return Terrain(
+        *ground, float(ground[1].max()), ceiling[0], depth, bottom, *_tips(*ground), *_tips(ceiling[0], depth)
+    )
+
+
+def _padded(x, y):
+    return np.array([-_FAR, *x, _FAR]), np.array([y[0], *y, y[-1]], float)
+
+
+def _tips(x, y):
+    """(x, y) of the vertices of a profile that stick out of it."""
+    slope = np.diff(y) / np.diff(x)
+    tips = np.flatnonzero(slope[1:] < slope[:-1]) + 1 if len(x) else np.zeros(0, int)
+    return x[tips], y[tips]
+
+
+def fault(ground_x, ground_y, ceiling_x, ceiling_y) -> str:
+    """What is wrong with profiles, and the mend; nothing where they are sound."""
+    for name, x, y in (("ground", ground_x, ground_y), ("ceiling", ceiling_x, ceiling_y)):
+        if len(x) != len(y):
+            return f"{name} has {len(x)} x and {len(y)} y: give as many of both"
+        if len(x) == 1 or len(x) > _MOST_POINTS:
+            return f"{name} has {len(x)} points: give none, or 2 to {_MOST_POINTS}"
+        wrong = np.flatnonzero(~(np.abs(np.array([x, y], float)) <= 1e6).all(0)) if len(x) else ()
+        if len(wrong):
+            return f"{name}[{wrong[0]}] is ({x[wrong[0]]!r}, {y[wrong[0]]!r}): give metres from -1e6 to 1e6"
+        back = np.flatnonzero(~(np.diff(x) >= _LEAST_RUN)) if len(x) else ()
+        if len(back):
+            k = int(back[0])
+            return (
+                f"{name} is not single-valued: point {k + 1} at x = {x[k + 1]:g} follows x = {x[k]:g}: let x ascend by "
+                f"{_LEAST_RUN:g} m or more (a wall is a steep step)"
+            )
+    if len(ceiling_x):
+        at = np.union1d(ceiling_x, ground_x)
+        room = profile(ceiling_x, ceiling_y, at) - profile(ground_x, ground_y, at)
+        k = int(room.argmin())
+        if room[k] < CELL:
+            return f"the opening at x = {at[k]:g} is {room[k]:g} m high, less than a cell: make it {CELL:g} m or more"
+    return ""
+
+
+def profile(xs, ys, x):
+    """Height of a profile at x, m, of any shape; 0 where it has no points."""
+    return np.interp(x, xs, ys) if len(xs) else np.zeros(np.shape(x))
+
+
+@dataclass(frozen=True)
+class Ground:
+    """The ground under a motion, by its points; none: flat.  Called with x of any shape it gives the height there, m."""
+
+    x: tuple[float, ...] = ()
+    y: tuple[float, ...] = ()
+
+    def __call__(self, x) -> np.ndarray:
+        return profile(self.x, self.y, x)
+
+    def touching(self, outline, position, tolerance: float) -> np.ndarray:
+        """Whether cells touch, themselves or by an edge that lies on a tip.
+
+        Args: outline (M, 2): edges; position (T, N, 2) m; tolerance: m above the ground, that still touch.  Returns: (T, N) bool.
+        """
+        touch = position[..., 1] - self(position[..., 0]) <= tolerance
+        return touch | (_on_tips(*_tips(*_padded(self.x, self.y)), outline, position, tolerance) if len(self.x) else False)
+
+
+def _on_tips(tip_x, tip_y, outline, position, tolerance):
+    """(T, N): whether a cell is an end of an outline edge that lies on a tip."""
+    x, y = position[..., 0], position[..., 1]
+    on = np.zeros(x.shape, bool)
+    for i, j in outline:
+        low, high = np.minimum(x[:, i], x[:, j]), np.maximum(x[:, i], x[:, j])
+        for k in range(*np.searchsorted(tip_x, (low.min(), high.max()))):
+            over = np.flatnonzero((low < tip_x[k]) & (tip_x[k] < high))
+            share = (tip_x[k] - x[over, i]) / (x[over, j] - x[over, i])
+            rests = over[y[over, i] + share * (y[over, j] - y[over, i]) - tip_y[k] <= tolerance]
+            on[rests, i] = on[rests, j] = True
+    return on
+
+
+def touching(scene, position) -> np.ndarray:
+    """Whether cells at position (..., 2) are themselves at ground or ceiling: (...) bool."""
+    x, y = position[..., 0], position[..., 1]
+    close = _CLOSE * (1.0 + np.abs(y))
+    touch = np.abs(y - profile(scene.ground_x, scene.ground_y, x)) <= close
+    if len(scene.ceiling_x):
+        touch |= np.abs(y - profile(scene.ceiling_x, scene.ceiling_y, x)) <= close
+    return touch
+
+
+def contacts(scene, outline, position) -> np.ndarray:
+    """Whether cells touch ground or ceiling, themselves or by an edge that lies on a tip: (T, N) bool.
+
+    Args: outline (M, 2): edges; position (T, N, 2) m.
+    """
+    down = position * (1.0, -1.0)
+    below = Ground(tuple(scene.ground_x), tuple(scene.ground_y))
+    above = Ground(tuple(scene.ceiling_x), tuple(-y for y in scene.ceiling_y))
+    touch = touching(scene, position)
+    for side, ways in ((below, position), (above, down)):
+        if side.x:
+            touch |= _on_tips(*_tips(*_padded(side.x, side.y)), outline, ways, _CLOSE * (1.0 + np.abs(side.y).max()))
+    return touch
+
+
+@lean
+def segment(xs, x):
+    """The number of the segment over x, by bisection."""
+    low, high = 0, xs.size - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if xs[middle] <= x:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+@lean
+def height(xs, ys, x):
+    """Height of a padded profile at x."""
+    k = segment(xs, x)
+    return ys[k] + (x - xs[k]) * ((ys[k + 1] - ys[k]) / (xs[k + 1] - xs[k]))
+
+
+@lean
+def touches(terrain, x, y):
+    """Whether a point is on the ground, or at the ceiling."""
+    close = _CLOSE * (1.0 + abs(y))
+    if abs(y - (height(terrain.x, terrain.y, x) if terrain.x.size else 0.0)) <= close:
+        return True
+    xs = terrain.ceiling_x
+    return xs.size > 0 and abs(y + height(xs, terrain.ceiling_depth, x)) <= close
+
+
+@lean
+def first_from(xs, x):
+    """The number of the first of ascending xs that is not below x."""
+    low, high = 0, xs.size
+    while low < high:
+        middle = (low + high) // 2
+        if xs[middle] < x:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
+@lean
+def _above_tips(tip_x, tip_y, outline, x, y, sign):
+    """Least height of outline edges above tips; y of both profile and body times sign."""
+    least = np.inf
+    for m in range(outline.shape[0] if tip_x.size else 0):
+        i, j = outline[m, 0], outline[m, 1]
+        if x[i] > x[j]:
+            i, j = j, i
+        for k in range(first_from(tip_x, x[i]), tip_x.size):
+            if tip_x[k] > x[j] or x[i] == x[j]:
+                break
+            share = (tip_x[k] - x[i]) / (x[j] - x[i])
+            least = min(least, sign * (y[i] + share * (y[j] - y[i])) - tip_y[k])
+    return least
+
+
+@lean
+def clearance(terrain, outline, x, y):
+    """Least height of a body above the ground (how far it has to rise if it is negative), and below the ceiling.
+
+    Args: outline (M, 2): its edges; x, y (N,): its cells.
+    """
+    low = _above_tips(terrain.tip_x, terrain.tip_y, outline, x, y, 1.0)
+    high = _above_tips(terrain.ceiling_tip_x, terrain.ceiling_tip_depth, outline, x, y, -1.0)
+    for i in range(x.size):
+        low = min(low, y[i] - (height(terrain.x, terrain.y, x[i]) if terrain.x.size else 0.0))
+        if terrain.ceiling_x.size:
+            high = min(high, -height(terrain.ceiling_x, terrain.ceiling_depth, x[i]) - y[i])
+    return low, high

@@ -1,0 +1,43 @@
+"""What commands take for GENOME|BAG: a genome file with a task of its own, or the last champion of a run in the task of the run."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..genetics.genome import Genome
+from ..genetics.genome_file import load_genome
+from ..parameters import ParameterError, Task, default_task, with_settings
+from ..ros.messages import genome_from_message, task_from_message
+from . import RecordingError, read_recording
+
+
+@dataclass(frozen=True)
+class Champion:
+    """name; genome; task; seed; fitness as recorded, or None."""
+
+    name: str
+    genome: Genome
+    task: Task
+    seed: int = 0
+    fitness: float | None = None
+
+
+def champion_of(source: str | os.PathLike, settings: dict[str, str], task_name: str = "swim") -> Champion:
+    """The champion of a genome file or a recording.
+
+    Args: settings: of the task of a genome file, which is the default one of `task_name`.
+    Raises GenomeError, ParameterError or RecordingError.
+    """
+    path = Path(source)
+    name = path.resolve().name
+    if not path.is_dir() and path.suffix != ".mcap":
+        return Champion(path.stem, load_genome(path), with_settings(default_task(task_name), settings))
+    if settings:
+        raise ParameterError("--set is for a genome file: a recording names its own task")
+    recording = read_recording(path)
+    if recording.settings is None or not recording.champions:
+        raise RecordingError(f"{path} holds no champion: give a run of evolve, or a genome file")
+    champion, run = recording.champions[-1], recording.settings
+    return Champion(name, genome_from_message(champion.genome), task_from_message(run.task), run.seed, champion.evaluation.fitness)

@@ -1,0 +1,55 @@
+"""Whether a seeker's fitness stands: all its swims in finer steps, and by the method of higher order with the muscles of each.
+
+In finer steps cells smell where those steps have brought them; with the muscles as they were they no longer steer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...genetics.genome import Genome
+from ...parameters import Task
+from ...physics.control_step import SOUND
+from ..evaluation import Performance
+from ..repetition import Run, Way, repeat_motion
+from .fitness import attempt, nearness, placements, score
+from .kernel import SAMPLES, STRAIGHT
+
+
+def audit_seeker(genome: Genome, task: Task, seed: int, first: Performance, ways: Sequence[Way]) -> list[Run]:
+    """The runs of an audit.  Args: first: the life as evolved."""
+    result = attempt(genome, task, seed, placements(task), every=False)
+    swims = [STRAIGHT, *range(result.swims)]
+    kept = [_kept(genome, task, seed, shown) for shown in swims]
+    return [_run(genome, task, seed, first, result, kept, way) for way in ways]
+
+
+def _kept(genome, task, seed, shown):
+    """Track (T + 1, N, 4) and activation (T + 1, N) of one swim."""
+    shape = (task.control_steps + 1, task.development.max_cells)
+    track, traces = np.full((*shape, 4), np.nan), np.full(shape, np.nan)
+    result = attempt(genome, task, seed, placements(task)[: shown + 1], shown, 1, track, traces)
+    return track[:, : result.cells], traces[:, : result.cells].copy()
+
+
+def _run(genome, task, seed, first, result, kept, way):
+    before, points = first.evaluation, task.windows * SAMPLES
+    motions = [
+        repeat_motion(first.body, task, before.metrics.substeps, track[0, :, :2], activation, way, points) for track, activation in kept
+    ]
+    if way.anew:
+        found = attempt(genome, task, seed, placements(task), finer=way.finer, every=False)
+    else:
+        paths = result.paths.copy()
+        paths[: result.swims] = [motion.path for motion in motions[1:]]
+        found = result._replace(path=motions[0].path, paths=paths)
+    evaluation = score(found, task)
+    ledger = tuple(np.sum([motion.ledger for motion in motions], axis=0).tolist())
+    cause = evaluation.cause or ("" if all(m.outcome == SOUND for m in motions) else "the repeated motion is not sound")
+    change = (evaluation.fitness - before.fitness) / max(abs(before.fitness), 1e-12)
+    return Run(
+        way.name, evaluation.fitness, change, task.windows * evaluation.metrics.slowest_window, ledger,
+        max(motion.gap for motion in motions), min(motion.chamber for motion in motions), cause, nearness(found, task),
+    )

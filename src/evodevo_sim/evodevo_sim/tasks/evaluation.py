@@ -1,0 +1,103 @@
+"""`evaluate(genome, task, seed)`: the one pure function that evolution, nodes and notebooks call."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..brain.life import develop
+from ..development.body import build_body
+from ..genetics.genome import Genome, random_genome
+from ..kernels.jit import is_compiled, remove_old_caches
+from ..parameters import Task
+from .chemotaxis import fitness as chemotaxis_task
+from .outcome import Evaluation, Metrics, Status, failure
+from .swim import fitness as swim_task
+from .swim.fitness import kernel_arguments
+from .walk import fitness as walk_task
+
+# Every task: run(genome, task, seed, finer, track, traces) -> Evaluation
+_RUN = {"swim": swim_task.run, "walk": walk_task.run, "chemotaxis": chemotaxis_task.run}
+_KERNEL = {"swim": "swim.swim", "walk": "walk.walk", "chemotaxis": "chemotaxis.trials"}
+_NOT_KEPT = np.empty((0, 0, 0)), np.empty((0, 0))
+
+
+@dataclass(frozen=True, eq=False)
+class Performance:
+    """A life to look at: growth, body and locomotion.  NaN stands where there is no cell (yet).
+
+    Attributes:
+        evaluation: of the same run, bit for bit.
+        growth (S + 1, N, 2) m, growth_activation (S + 1, N), growth_edges: list of (E, 2) per step.
+        body: see `body.Body`, or None where nothing grew.
+        time (T + 1,) s; position, velocity (T + 1, N, 2); activation (T + 1, N) of e - c.
+        target: (x, y) m of the target that it swims towards, on the left of its way without one; None where there is none.
+    """
+
+    evaluation: Evaluation
+    growth: np.ndarray
+    growth_activation: np.ndarray
+    growth_edges: list
+    body: object
+    time: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+    activation: np.ndarray
+    target: tuple[float, float] | None = None
+
+
+def evaluate(genome: Genome, task: Task = Task(), seed: int = 0) -> Evaluation:
+    """Evaluate a genome.  Pure: equal arguments give equal bits.
+
+    Args:
+        genome: see `Genome`.
+        task: what for.
+        seed: of whatever the task draws at random: noise, where there is any, and of walking the orientations at birth.
+    """
+    return _RUN[task.name](genome, task, seed, 1, *_NOT_KEPT)
+
+
+def prepare(task: Task = Task(), say=print) -> None:
+    """Load the kernels that evaluations of a task need, compiled by the first process that asks; `say` is told if that is us."""
+    if not is_compiled(_KERNEL[task.name]):
+        say("Compiling the simulation kernels, once: about a minute.")
+        remove_old_caches()
+    evaluate(random_genome(np.random.default_rng(0)), task)
+
+
+def invalid(cause: str) -> Evaluation:
+    """The evaluation of what is no genome at all."""
+    return failure(Status.INVALID_GENOME, Metrics(), cause=cause)
+
+
+def perform(genome: Genome, task: Task = Task(), seed: int = 0, finer: float = 1) -> Performance:
+    """Evaluate a genome with everything kept, to record, draw or analyse.  Args: finer: times as many substeps, rounded up."""
+    arguments = kernel_arguments(genome, task)
+    development = task.development
+    shape = (development.steps + 1, development.max_cells)
+    growth, growth_activation = np.full((*shape, 2), np.nan), np.full(shape, np.nan)
+    limit = development.max_cells
+    most_edges = 3 * limit + 1 if arguments[3] else max(3 * limit, limit * (limit - 1) // 2) + 1
+    graphs = np.full((development.steps + 1, most_edges, 2), -1)
+    _, _, embryo = develop(arguments[0], arguments[2], arguments[3], arguments[6], growth, growth_activation, graphs)
+    cells = embryo.position.shape[0]
+    body = None
+    if cells > 1:
+        body = build_body(embryo.position, embryo.edges, embryo.start, embryo.neighbour, task.material.mass)
+    track = np.full((task.control_steps + 1, cells, 4), np.nan)
+    traces = np.full((task.control_steps + 1, cells), np.nan)
+    evaluation = _RUN[task.name](genome, task, seed, finer, track, traces)
+    steering = evaluation.metrics.steering
+    return Performance(
+        evaluation=evaluation,
+        growth=growth[:, :cells],
+        growth_activation=growth_activation[:, :cells],
+        growth_edges=[edges[edges[:, 0] >= 0] for edges in graphs],
+        body=body,
+        time=np.arange(task.control_steps + 1) * task.control_step,
+        position=track[..., :2].copy(),
+        velocity=track[..., 2:].copy(),
+        activation=traces,
+        target=(steering.left_x, steering.left_y) if steering.distance else None,
+    )

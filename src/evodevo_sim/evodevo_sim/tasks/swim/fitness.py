@@ -1,0 +1,62 @@
+"""The swimming task around its kernel: arguments in, evaluation out."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...brain.scent import make_signals
+from ...genetics.genome import INPUT_NAMES, Genome
+from ...parameters import Task
+from ..outcome import FAILURE, STIFF, Evaluation, Metrics, Status, failure
+from .kernel import swim
+
+
+def given_inputs(task: Task) -> np.ndarray:
+    """Which input signals the scene of a task has: there is a scent where there is a target."""
+    return np.array([name != "scent" or task.has_target for name in INPUT_NAMES])
+
+
+def kernel_arguments(genome: Genome, task: Task):
+    continual = task.development.variant == "continual_graph"
+    return (
+        genome.arrays(), task.arguments(), task.development.arguments(), continual, task.material.arguments(),
+        task.scene.arguments(), given_inputs(task),
+    )
+
+
+def run(genome: Genome, task: Task, seed: int, finer: int, track, traces) -> Evaluation:
+    """Evaluate a swimmer.  Args: finer, track, traces: see `swim.swim`; seed: of the noise, if there is any."""
+    signals = make_signals(noise=task.noise.arguments(), seed=seed)
+    return score(swim(*kernel_arguments(genome, task), finer, signals, track, traces), task)
+
+
+def slowest_progress(path: np.ndarray) -> float:
+    """The shortest way in any window times straightness, the share of the whole way that leads from start to end, m.
+
+    Who circles gets nowhere; straightness has a slope everywhere, so that selection can act on it.  Args: path (windows + 1, 2).
+    """
+    ways = np.hypot(*np.diff(path, axis=0).T)
+    whole = float(ways.sum())
+    return float(ways.min()) * float(np.hypot(*(path[-1] - path[0]))) / whole if whole > 0.0 else 0.0
+
+
+def score(result, task: Task) -> Evaluation:
+    status = Status(result.status)
+    path = result.path
+    failed = status in FAILURE
+    metrics = Metrics(
+        cells=result.cells,
+        springs=result.springs,
+        chambers=result.chambers,
+        substeps=result.substeps,
+        distance=0.0 if failed else float(np.hypot(*(path[-1] - path[0]))),
+        distance_second_half=0.0 if failed else float(np.hypot(*(path[-1] - path[task.windows // 2]))),
+        slowest_window=0.0 if failed else slowest_progress(path),
+        activation_amplitude=0.0 if failed else result.amplitude,
+    )
+    if failed:
+        stiff = status == Status.UNSTABLE and result.failed_step < 0
+        return failure(status, metrics, result.failed_step, STIFF if stiff else "")
+    # Motion counts only as far as muscles move it, to the end: creeping and coasting with a network at rest earn nothing.
+    fitness = result.active * (task.windows * metrics.slowest_window + task.activity_bonus)
+    return Evaluation(fitness, status, "", metrics)

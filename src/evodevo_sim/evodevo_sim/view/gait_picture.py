@@ -1,0 +1,124 @@
+"""A gait in one picture (paper, Fig. 5): two unlike cells' muscles over time, phases over the body, a film strip of one period."""
+
+from __future__ import annotations
+
+import matplotlib
+import numpy as np
+from matplotlib.collections import EllipseCollection, LineCollection
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+
+from ..analysis.gait.analysis import Analysis
+from ..analysis.gait.table import headline
+from ..recording.life import Pose, contrasting_cells
+from .colours import ACCENT, INK, QUIET, SECOND, unit_rgb
+from .drawing import DIAMETER, bounds, draw_pose, frame, round_length, scale_bar
+from .picture import STYLE, caption, legend
+
+_FRAMES = 6  # of the film strip
+_CYCLES = 4.0  # periods of the traces
+_PHASES = "twilight_shifted"  # a colour map that runs round
+_WIDTH, _DPI = 12.8, 125  # inches
+_STRIP, _CURVES, _LEFT, _TOP, _GAP = 2.3, 2.6, 0.4, 1.05, 0.75  # inches
+
+
+def save_gait(analysis: Analysis, name: str, path) -> None:
+    """Draw a gait and save it as a PNG.  Args: name: of what has it; path: where to, or a binary file."""
+    walks = analysis.contact is not None
+    with matplotlib.rc_context(STYLE):
+        height = _TOP + _STRIP + _GAP + _CURVES + (_GAP + 1.3 if walks else 0.0) + 0.6
+        figure = Figure((_WIDTH, height), dpi=_DPI, facecolor="white")
+        figure.text(_LEFT / _WIDTH, 1 - 0.42 / height, f"{name}: {headline(analysis.gait)}", fontsize=15, fontweight="bold")
+        figure.text(_LEFT / _WIDTH, 1 - 0.68 / height, _facts(analysis), fontsize=9.5, color="0.35")
+
+        def place(left, top, wide, tall):
+            return figure.add_axes((left / _WIDTH, (height - top - tall) / height, wide / _WIDTH, tall / height))
+
+        _film(place, analysis)
+        top = _TOP + _STRIP + _GAP
+        _traces(place(_LEFT + 0.25, top, 6.6, _CURVES), analysis)
+        _phases(place(8.0, top, 3.9, _CURVES), place(11.95, top + 0.3, 0.12, _CURVES - 0.6), analysis)
+        if walks:
+            _contacts(place(_LEFT + 0.25, top + _CURVES + _GAP, 11.8, 1.3), analysis)
+        figure.savefig(path, format="png")
+
+
+def _facts(analysis: Analysis) -> str:
+    g = analysis.gait
+    parts = [g.why, f"phase {g.gradient_along:.2f} rad/m along, {g.gradient_across:.2f} across"]
+    if np.isfinite(g.cost_of_transport):
+        parts.append(f"cost of transport {g.cost_of_transport:.0f} J/(kg m)")
+    return "  ·  ".join(parts)
+
+
+def _span(analysis: Analysis, periods: float) -> np.ndarray:
+    """Frames of the last periods, or all where there is no rhythm."""
+    time, frequency = analysis.half.time, analysis.gait.frequency
+    begin = time[-1] - periods / frequency if np.isfinite(frequency) else time[0]
+    return np.flatnonzero(time >= begin - 1e-9)
+
+
+def _film(place, analysis: Analysis) -> None:
+    half, span = analysis.half, _span(analysis, 1.0)
+    steps = span[np.linspace(0, len(span) - 1, _FRAMES + 1).astype(int)][:-1]
+    wide = (_WIDTH - 2 * _LEFT) / _FRAMES
+    low, high = bounds(half.position[steps])
+    for number, step in enumerate(steps):
+        axes = place(_LEFT + number * wide, _TOP + 0.15, wide - 0.1, _STRIP - 0.3)
+        frame(axes, low, high)
+        draw_pose(axes, Pose(half.position[step], half.activation[step]), half.springs, half.outline, half.chambers)
+        if half.ground is not None:
+            x = np.linspace(*axes.get_xlim(), 200)
+            axes.plot(x, half.ground(x), color=unit_rgb(QUIET), linewidth=1.2, zorder=0)
+        caption(axes, f"{half.time[step] - half.time[steps[0]]:.2f} s")
+        if number == 0:
+            axes.set_title("One period: blue contracting, green at rest, red expanding")
+            for cell, colour in zip(_cells(analysis), (ACCENT, SECOND)):
+                axes.plot(*half.position[step, cell], "o", color=unit_rgb(colour), mec="white", mew=1, ms=6, zorder=6)
+    scale_bar(axes, round_length(np.ptp(axes.get_xlim()) / 4))
+
+
+def _cells(analysis: Analysis) -> list[int]:
+    return contrasting_cells(analysis.half.activation)
+
+
+def _traces(axes, analysis: Analysis) -> None:
+    half, span = analysis.half, _span(analysis, _CYCLES)
+    for cell, colour in zip(_cells(analysis), (ACCENT, SECOND)):
+        axes.plot(half.time[span], half.activation[span, cell], color=unit_rgb(colour), label=f"cell {cell}")
+    axes.axhline(0.0, color="0.75", linewidth=0.8, zorder=1)
+    axes.set(title="Actuation e − c of two cells", xlabel="time, s", ylim=(-1.05, 1.05))
+    legend(axes)
+
+
+def _phases(axes, bar, analysis: Analysis) -> None:
+    """The mean shape, forward to the right: hue is phase, size is amplitude."""
+    shape, wave = analysis.frame.shape, analysis.rhythm.wave
+    frame(axes, *bounds(shape))
+    phase = np.angle(wave * np.conj(wave.sum()), deg=True) if wave.any() else np.zeros(len(wave))
+    size = DIAMETER * np.sqrt(np.clip(np.abs(wave) / max(np.abs(wave).max(), 1e-12), 0.04, 1.0))
+    discs = EllipseCollection(
+        size, size, np.zeros(len(size)), units="xy", offsets=shape, transOffset=axes.transData, cmap=_PHASES,
+        norm=Normalize(-180, 180), array=phase, edgecolors="white", linewidths=0.6, zorder=2,
+    )
+    axes.add_collection(LineCollection(shape[analysis.half.springs], colors=[unit_rgb(QUIET)], linewidths=0.6, zorder=1))
+    axes.add_collection(discs)
+    for cell, colour in zip(_cells(analysis), (ACCENT, SECOND)):
+        axes.plot(*shape[cell], "o", color=unit_rgb(colour), mec="white", mew=1, ms=5, zorder=6)
+    axes.set_title("Phase over the body, forward to the right")
+    colours = axes.figure.colorbar(discs, cax=bar, ticks=(-180, 0, 180))
+    colours.outline.set_visible(False)
+    bar.set_ylabel("degrees", fontsize=8)
+
+
+def _contacts(axes, analysis: Analysis) -> None:
+    """Which cells are on the ground, from the rear (below) to the front."""
+    span, contact = _span(analysis, 2 * _CYCLES), analysis.contact
+    time = analysis.half.time[span]
+    order = analysis.frame.shape[:, 0].argsort()
+    order = order[contact.duty[order] > 0]
+    touching = contact.touching[np.ix_(span, order)].T
+    axes.pcolormesh(time, np.arange(len(order)), touching, cmap="Greys", vmin=0, vmax=1.4, shading="nearest")
+    axes.set(title="On the ground, rear to front", xlabel="time, s", yticks=np.arange(len(order)))
+    axes.set_yticklabels(order, fontsize=6, color=unit_rgb(INK))
+    axes.grid(False)

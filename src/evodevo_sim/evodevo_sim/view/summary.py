@@ -1,0 +1,124 @@
+"""Settings and champion of a recording in words."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from evodevo_msgs import msg
+
+from ..analysis.gait.table import headline as gait_headline
+from ..recording import Recording
+from ..recording.gait import gait_of_recording
+from ..recording.life import Life
+from ..tasks.outcome import Status
+
+
+def headline(recording: Recording, life: Life) -> tuple[str, str]:
+    """Name, and one line of what the recording is."""
+    facts, settings = [], recording.settings
+    if settings is not None:
+        facts.append(f"{settings.task.name}, seed {settings.seed}")
+    if recording.statistics:
+        facts.append(f"{len(recording.statistics)} generations" + (f" of {settings.population}" if settings is not None else ""))
+    if recording.champions:
+        found = _audit(recording)
+        mark = "" if found is None or found.stands else ", which fails its audit"
+        facts.append(f"fitness {recording.champions[-1].evaluation.fitness:.3f}{mark}")
+    if len(life.time):
+        facts.append(f"{life.position.shape[1]} cells, {len(life.chambers)} chambers")
+        seconds, away = life.time[-1] - life.time[0], life.target_distance[np.isfinite(life.target).all(axis=1)] if len(life.target) else []
+        if len(away):
+            facts.append(f"{away[0]:.1f}, then {away[-1]:.1f} m from the target in {seconds:.1f} s")
+        else:
+            facts.append(f"{life.distance[-1]:.2f} cell diameters in {seconds:.1f} s")
+    gait = gait_of_recording(recording, life)
+    if gait is not None:
+        facts.append(f"gait: {gait.name}")
+    if recording.truncated:
+        facts.append("the end of the recording is missing")
+    return name_of(recording.path), "  ·  ".join(facts)
+
+
+def name_of(path: Path) -> str:
+    """A recording's name: its directory's, or its file's without the ending."""
+    path = path.resolve()
+    return path.stem if path.suffix == ".mcap" else path.name
+
+
+def markdown(recording: Recording, life: Life) -> str:
+    """All of it, as Markdown."""
+    parts = [f"# {name_of(recording.path)}"]
+    if recording.truncated:
+        parts.append("*The end of this recording is missing; this is what was saved.*")
+    if recording.champions:
+        parts.append(_champion(recording.champions[-1], _audit(recording)))
+    if len(life.time):
+        cells, seconds = life.position.shape[1], life.time[-1] - life.time[0]
+        parts.append(f"**Shown:** {cells} cells, {seconds:.1f} s, {life.distance[-1]:.3g} cell diameters from birth.")
+    gait = gait_of_recording(recording, life)
+    if gait is not None:
+        parts.append(f"**Gait:** {gait_headline(gait)}; {gait.why}.")
+    if recording.statistics:
+        last = recording.statistics[-1]
+        parts.append(
+            f"**Evolution:** {len(recording.statistics)} generations, {last.evaluations} evaluations, "
+            f"best {last.best:.3f}, median {last.median:.3f}, diversity {last.diversity:.2f}."
+        )
+    if recording.audits:
+        failed = [str(audit.generation) for audit in recording.audits if not audit.stands]
+        which = f"failed: those of generations {', '.join(failed)}." if failed else "failed."
+        parts.append(f"**Audits:** {len(recording.audits)} champions, {len(failed) or 'none'} {which}")
+    parts.append("**Colours:** blue cells contract, green ones are at rest, red ones expand.")
+    if recording.settings:
+        parts.append("## Settings\n\n" + _table(_numbers(recording.settings)))
+    return "\n\n".join(parts) + "\n"
+
+
+def _audit(recording: Recording) -> msg.Audit | None:
+    """The audit of the last champion, if there is one."""
+    generation = recording.champions[-1].generation
+    return next((audit for audit in reversed(recording.audits) if audit.generation == generation), None)
+
+
+def _champion(champion: msg.Champion, audit: msg.Audit | None) -> str:
+    evaluation, metrics = champion.evaluation, champion.evaluation.metrics
+    status = Status(evaluation.status).name if evaluation.status in list(Status) else str(evaluation.status)
+    rows = {
+        "fitness": f"{evaluation.fitness:.4g}", "generation": champion.generation, "status": evaluation.cause or status,
+        "genetic elements": len(champion.genome.kind), "cells": metrics.cells, "springs": metrics.springs,
+        "chambers": metrics.chambers, "distance, m": f"{metrics.distance:.4g}",
+        "in the second half, m": f"{metrics.distance_second_half:.4g}",
+        "activation amplitude": f"{metrics.activation_amplitude:.3g}",
+        "audit": _verdict(audit),
+    }
+    steering = metrics.steering
+    if steering.distance:
+        for side in ("left", "right"):
+            rows[f"target on the {side}, m"] = f"{steering.distance:.3g} at birth, {getattr(steering, side + '_distance'):.3g} at the end"
+    return "## Champion\n\n" + _table(rows)
+
+
+def _verdict(audit: msg.Audit | None) -> str:
+    if audit is None:
+        return "none"
+    if not audit.stands:
+        return "**failed:** " + "; ".join(audit.faults)
+    return f"the fitness stands: {audit.fitness_finer:.6g} in finer steps, {audit.fitness_higher_order:.6g} by order 5"
+
+
+def _numbers(message, prefix: str = "") -> dict:
+    """The fields of a message and of those in it, by dotted name."""
+    rows = {}
+    for name in message.get_fields_and_field_types():
+        value = getattr(message, name)
+        if isinstance(value, list):  # of genomes to begin from
+            value = len(value)
+        nested = hasattr(value, "get_fields_and_field_types")
+        rows |= _numbers(value, f"{prefix}{name}.") if nested else {prefix + name: value}
+    return {name: f"{value:g}" if isinstance(value, float) else value for name, value in rows.items()}
+
+
+def _table(rows: dict) -> str:
+    return "\n".join(["| | |", "|---|---|", *(f"| {name} | {value} |" for name, value in rows.items())])

@@ -1,0 +1,76 @@
+"""The Rerun viewer: files for it, and the program itself."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+from contextlib import contextmanager
+from importlib.util import find_spec
+from pathlib import Path
+
+from ..recording import Recording
+from ..recording.life import Life
+from .files import OutputError
+
+NO_RERUN = "the Rerun viewer is not installed: pip install rerun-sdk"
+
+
+def has_display() -> bool:
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def is_installed() -> bool:
+    return find_spec("rerun") is not None
+
+
+def save(recording: Recording, life: Life, path: str, step=lambda part: None) -> None:
+    """Write a Rerun file.  Args: step: called with the name of each part before it is written.
+
+    Raises OutputError where Rerun is missing or cannot write.
+    """
+    if not is_installed():
+        raise OutputError(NO_RERUN)
+    import rerun
+
+    from .rerun_log import log_recording
+    from .views import blueprint
+
+    stream = rerun.RecordingStream("evodevo")
+    try:
+        stream.save(path, default_blueprint=blueprint(recording, life))
+        log_recording(stream, recording, life, step)
+    finally:
+        stream.disconnect()
+
+
+@contextmanager
+def opened(*arguments: str | os.PathLike):
+    """The viewer, as a context that ends it.  Nothing leaves this host.  Yields its process."""
+    import rerun_cli
+
+    # The program itself: its Python wrapper would leave it running when it is ended.
+    program = Path(rerun_cli.__file__).parent / "rerun"
+    program = str(program) if program.exists() else "rerun"
+    with tempfile.TemporaryDirectory(prefix="evodevo-") as settings:
+        homes = {"XDG_CONFIG_HOME": settings, "XDG_DATA_HOME": settings}
+        environment = {"RUST_LOG": "error"} | os.environ | homes
+        # The viewer sends statistics of its use to its makers unless its settings say not to, which this command writes.
+        subprocess.run([program, "analytics", "disable"], env=environment, capture_output=True)
+        viewer = subprocess.Popen([program, "--bind", "127.0.0.1", *arguments], env=environment)
+        try:
+            yield viewer
+        finally:
+            if viewer.poll() is None:
+                viewer.terminate()
+                viewer.wait()
+
+
+def show(path: str | os.PathLike) -> int:
+    """Open a Rerun file in the viewer and wait until it is closed.  Returns its exit code."""
+    with opened("--port", "auto", path) as viewer:
+        code = viewer.wait()
+    if code:
+        print(f"replay: the viewer ended with code {code}: --no-viewer saves a file instead", file=sys.stderr)
+    return code
