@@ -14,16 +14,18 @@ import dataclasses
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import index
 from typing import Any
 
 import numpy as np
-from evodevo_sim import Evaluation, Genome, ParameterError, Status
+from evodevo_sim import Evaluation, Genome, GenomeError, ParameterError, Status
 
 from .individual import Child, Individual, genome_of_plain, individual_of_plain, plain_genome, plain_individual
 from .schemes import search_of
 from .settings import Settings
 
 _STATE = 1  # version of the plain data
+_COUNTERS = ("generation", "evaluations", "stagnation", "bred")
 
 
 @dataclass(frozen=True)
@@ -117,22 +119,27 @@ class Evolution:
         """All that the run is after its last generation, as plain data that JSON carries without the loss of a bit."""
         return {
             "version": _STATE, "scheme": self.scheme, "settings": dataclasses.asdict(self.settings), "seed": self.seed,
-            "start": [plain_genome(genome) for genome in self.start], "generation": self.generation, "evaluations": self.evaluations,
-            "stagnation": self.stagnation, "bred": self.bred, "population": [plain_individual(one) for one in self.population],
-            "search": self.search.state(),
+            "start": [plain_genome(genome) for genome in self.start], **{name: getattr(self, name) for name in _COUNTERS},
+            "population": [plain_individual(one) for one in self.population], "search": self.search.state(),
         }
 
     @classmethod
     def resumed(cls, state: dict[str, Any]) -> Evolution:
         """The run that gave this state away: it goes on with the same bits.  Its scheme must be registered."""
-        if state.get("version") != _STATE:
-            raise ParameterError(f"state of version {state.get('version')!r}: give one of version {_STATE}, which this program reads")
-        start = [genome_of_plain(genome) for genome in state["start"]]
-        evolution = cls(Settings(**state["settings"]), state["seed"], start, state["scheme"])
-        for name in ("generation", "evaluations", "stagnation", "bred"):
-            setattr(evolution, name, state[name])
-        evolution.population = [individual_of_plain(one) for one in state["population"]]
-        evolution.search.restore(state["search"])
+        version = state.get("version")
+        if version != _STATE:
+            raise ParameterError(f"state of version {version!r}: give one of version {_STATE}, which this program reads")
+        try:
+            start = [genome_of_plain(genome) for genome in state["start"]]
+            settings = Settings(**{field.name: state["settings"][field.name] for field in dataclasses.fields(Settings)})
+            evolution = cls(settings, state["seed"], start, state["scheme"])
+            evolution.generation, evolution.evaluations, evolution.stagnation, evolution.bred = (index(state[name]) for name in _COUNTERS)
+            evolution.population = [individual_of_plain(one) for one in state["population"]]
+            evolution.search.restore(state["search"])
+        except (ParameterError, GenomeError):
+            raise
+        except (AttributeError, KeyError, TypeError, ValueError) as error:
+            raise ParameterError(f"state that is not whole ({type(error).__name__}: {error}): give what a run gave away, unchanged"[:300]) from None
         return evolution
 
     def _known(self) -> dict[bytes, Evaluation]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
+from operator import index
 from typing import Any
 
 import numpy as np
@@ -57,13 +58,29 @@ def plain_individual(one: Individual) -> dict[str, Any]:
 
 
 def individual_of_plain(plain: dict[str, Any]) -> Individual:
+    """Raises KeyError, TypeError or ValueError where the data are not what `plain_individual` made."""
     given = plain["evaluation"]
-    evaluation = Evaluation(given["fitness"], Status[given["status"]], given["cause"], _made_of(Metrics(), given["metrics"]))
-    parents, operators = tuple(plain["parents"]), tuple(plain["operators"])
-    return Individual(genome_of_plain(plain["genome"]), evaluation, plain["born"], plain["layer"], plain["number"], parents, operators)
+    metrics = _made_like(Metrics(), given["metrics"])
+    evaluation = Evaluation(float(given["fitness"]), Status[given["status"]], _text(given["cause"]), metrics)
+    born, layer, number = (index(plain[name]) for name in ("born", "layer", "number"))
+    parents, operators = tuple(map(index, plain["parents"])), tuple(map(_text, _list(plain["operators"])))
+    return Individual(genome_of_plain(plain["genome"]), evaluation, born, layer, number, parents, operators)
 
 
-def _made_of(default: Any, plain: dict[str, Any]) -> Any:
-    """A dataclass like `default` with the plain values, and the dataclasses within."""
-    inner = {name: getattr(default, name) for name in plain}
-    return type(default)(**{name: _made_of(inner[name], value) if isinstance(value, dict) else value for name, value in plain.items()})
+def _made_like(example: Any, plain: Any) -> Any:
+    """The plain value in the type of the example: a number, or a dataclass of such, whole."""
+    if not dataclasses.is_dataclass(example):
+        return index(plain) if isinstance(example, int) else float(plain)
+    return type(example)(**{field.name: _made_like(getattr(example, field.name), plain[field.name]) for field in dataclasses.fields(example)})
+
+
+def _text(value: Any) -> str:
+    if not isinstance(value, str):
+        raise TypeError(f"{value!r} in place of a text")
+    return value
+
+
+def _list(value: Any) -> list:
+    if not isinstance(value, list):
+        raise TypeError(f"{value!r} in place of a list")
+    return value
