@@ -6,7 +6,9 @@ import struct
 
 from evodevo_sim import Evaluation, Metrics, Status
 
-STATISTICS = ("generation", "best", "median", "worst", "diversity", "median_elements", "evaluations", "stagnation", "status_count", "improved")
+STATISTICS = (
+    "generation", "best", "median", "worst", "diversity", "median_elements", "evaluations", "stagnation", "status_count", "improved",
+)
 
 
 def stand_in(genome) -> Evaluation:

@@ -179,7 +179,8 @@ def test_what_a_search_promises(registry, name):
 
 
 def test_a_scheme_from_outside_is_searched_with_by_its_name(registry):
-    register(Scheme("climb", "children of the champion alone: 100 % of them", {"population": 12, "crossover": 0.0}, lambda s: Climb(s, most=5)))
+    numbers = {"population": 12, "crossover": 0.0}
+    register(Scheme("climb", "children of the champion alone", numbers, lambda settings: Climb(settings, most=5)))
     options = parse(["--scheme", "climb", "--generations", "6"])
     assert (options.scheme, options.settings.population, options.settings.crossover) == ("climb", 12, 0.0)
     evolution = Evolution(options.settings, 1, options.start, options.scheme)

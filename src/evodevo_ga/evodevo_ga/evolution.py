@@ -139,7 +139,8 @@ class Evolution:
         except (ParameterError, GenomeError):
             raise
         except (AttributeError, KeyError, TypeError, ValueError) as error:
-            raise ParameterError(f"state that is not whole ({type(error).__name__}: {error}): give what a run gave away, unchanged"[:300]) from None
+            what = f"{type(error).__name__}: {error}"[:200]
+            raise ParameterError(f"state that is not whole ({what}): give what a run gave away, unchanged") from None
         return evolution
 
     def _known(self) -> dict[bytes, Evaluation]:

@@ -98,5 +98,6 @@ def search_of(settings: Settings, name: str = "panmictic") -> Search:
             if make is Panmictic or make in _PARTING.values():
                 return parted(settings)
             if not (isinstance(make, type) and issubclass(make, parted)):
-                raise ParameterError(f"settings.{number} is {getattr(settings, number)}: give 1, the search of scheme {name!r} has no {number}")
+                given = f"settings.{number} is {getattr(settings, number)}"
+                raise ParameterError(f"{given}: give 1, the search of scheme {name!r} has no {number}")
     return make(settings)
