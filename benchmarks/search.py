@@ -55,7 +55,7 @@ def arguments(parser: argparse.ArgumentParser) -> argparse.Namespace:
 
 def evolve(task: Task, settings: Settings, name: str, seed: int, pool: ThreadPoolExecutor, start=()):
     """Run evolution.  Returns: (champion, row of the table, rows of its curve)."""
-    evolution, last_gain, began = Evolution(settings, seed, start), 0, time.monotonic()
+    evolution, last_gain, began = Evolution(settings, seed, start, name), 0, time.monotonic()
     curve = []
     chambered = oscillating = 0
     with tqdm(total=settings.generations, desc=f"{name} {seed}", leave=False, mininterval=5.0) as bar:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from evodevo_ga.layers import Layers
 
 from evodevo_ga import Evolution, Settings, diversity
 from evodevo_sim import Evaluation, Metrics, ParameterError, Status, random_genome
@@ -158,10 +159,10 @@ def test_layers_hold_their_share_and_nobody_who_is_too_old():
 
 
 def test_the_layers_open_at_1_2_4_9_and_16_gaps():
-    settings = Settings(layers=5, age_gap=10)
-    first = [next(age for age in range(1000) if settings.layer_of(age) == layer) for layer in range(5)]
-    assert first == [0, 10, 20, 40, 90] and settings.layer_of(10**9) == 4
-    assert Settings(layers=1).layer_of(10**9) == 0
+    layers = Layers(Settings(layers=5, age_gap=10))
+    first = [next(age for age in range(1000) if layers.layer_of(age) == layer) for layer in range(5)]
+    assert first == [0, 10, 20, 40, 90] and layers.layer_of(10**9) == 4
+    assert Layers(Settings(layers=1)).layer_of(10**9) == 0
 
 
 def test_random_genomes_fill_the_youngest_layer_at_every_gap():

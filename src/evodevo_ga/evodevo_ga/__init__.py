@@ -3,7 +3,14 @@
     from evodevo_ga import Evolution, Settings
 """
 
-from .evolution import Evolution, Generation, Individual, diversity
-from .settings import SCHEMES, Settings, default_scheme, scheme
+from .evolution import Evolution, Generation, diversity
+from .individual import Child, Individual
+from .schemes import SCHEMES, Scheme, default_scheme, register, scheme
+from .search import Search
+from .settings import Settings
+from .variation import Parents, child_of, mutant, random_children
 
-__all__ = ["SCHEMES", "Evolution", "Generation", "Individual", "Settings", "default_scheme", "diversity", "scheme"]
+__all__ = [
+    "SCHEMES", "Child", "Evolution", "Generation", "Individual", "Parents", "Scheme", "Search", "Settings", "child_of", "default_scheme",
+    "diversity", "mutant", "random_children", "register", "scheme",
+]

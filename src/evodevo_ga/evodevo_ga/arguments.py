@@ -16,7 +16,8 @@ from evodevo_sim.worlds import with_world
 from evodevo_sim import Genome, GenomeError, ParameterError, Task, load_genome
 
 from .feasible import check
-from .settings import OF_TASK, SCHEMES, Settings, default_scheme, scheme
+from .schemes import OF_TASK, SCHEMES, default_scheme, scheme, search_of
+from .settings import Settings
 
 _EPILOG = """\
 examples:
@@ -55,6 +56,7 @@ class Options:
     look: float  # s to look for simulators on the graph
     quiet: bool
     start: tuple[Genome, ...] = ()
+    scheme: str = "panmictic"
 
 
 def parse(arguments: list[str]) -> Options:
@@ -74,8 +76,8 @@ def parse(arguments: list[str]) -> Options:
     group = parser.add_argument_group("genetic algorithm")
     group.add_argument(
         "--scheme", metavar="NAME",
-        help=f"a named set of the numbers below, which go over it: {', '.join(SCHEMES)} (default niches for swim, of a population of 50, 55, ...; "
-        "else panmictic); paper: its baseline; alps: age layers; niches: of body shapes",
+        help="a way to search and its set of the numbers below, which go over it (default niches for swim, of a population of 50, 55, ...; "
+        f"else panmictic): {'; '.join(f'{one.name}: {one.what}' for one in SCHEMES.values())}".replace("%", "%%"),
     )
     for field in dataclasses.fields(Settings):
         group.add_argument(
@@ -96,7 +98,8 @@ def parse(arguments: list[str]) -> Options:
         chosen = {name: value for name, value in chosen.items() if value is not None}
         name = default_scheme(task.name, chosen) if given.scheme is None else given.scheme
         settings = Settings(**scheme(name, task.name) | chosen)
-        start = tuple(load_genome(_genome_file(Path(name))) for name in given.start)
+        search_of(settings, name)
+        start = tuple(load_genome(_genome_file(Path(place))) for place in given.start)
         if len(start) > settings.population:
             raise ParameterError(f"--start gives {len(start)} genomes to a population of {settings.population}: give fewer")
         check(task, settings, start)
@@ -109,12 +112,13 @@ def parse(arguments: list[str]) -> Options:
     if not 0.0 <= given.look <= 3600.0:
         parser.error(f"--look is {given.look}: give 0 to 3600 seconds")
     out = Path(given.out or f"bags/{task.name}-{datetime.now():%Y%m%d-%H%M%S}")
-    return Options(task, settings, given.seed, out, given.simulators, given.look, given.quiet, start)
+    return Options(task, settings, given.seed, out, given.simulators, given.look, given.quiet, start, name)
 
 
 def _defaults(field) -> str:
-    named = [f"{settings[field.name]} for {name}" for name, settings in (OF_TASK | SCHEMES).items() if field.name in settings]
-    return ", ".join([str(field.default), *named])
+    named = OF_TASK | {one.name: one.settings for one in SCHEMES.values()}
+    differ = [f"{settings[field.name]} for {name}" for name, settings in named.items() if field.name in settings]
+    return ", ".join([str(field.default), *differ])
 
 
 def _genome_file(path: Path) -> Path:

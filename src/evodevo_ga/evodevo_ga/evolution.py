@@ -4,45 +4,29 @@
     while not evolution.finished:
         generation = evolution.tell([evaluate(genome, task, seed) for genome in evolution.ask()])
 
-With `Settings(layers=...)` the population is layered by age (ALPS, Hornby 2006).  The age of an individual is that of its oldest
-line, from the random genome on.  A layer is bred from itself and from the one below; who is too old for its layer moves up, where
-the best remain; random genomes fill the youngest layer every `age_gap` generations.  So what is new competes with its like until
-it has had its time, and the search begins again for ever beside the best that it has.
-
-With `Settings(niches=...)` it is parted by body shape instead, see `niches`.  A niche is bred from itself, a child belongs to
-where its own body does, and each niche keeps its best.
+Who breeds and who stays is up to a `Search`: one population (`panmictic`), in layers of age (`layers`), in niches of body shapes
+(`niches`), or one of your own (docs/search.md).
 """
 
 from __future__ import annotations
 
+import dataclasses
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import NamedTuple
+from dataclasses import dataclass
+from operator import index
+from typing import Any
 
 import numpy as np
 
-from evodevo_sim import Evaluation, Genome, ParameterError, Status, random_genome
+from evodevo_sim import Evaluation, Genome, GenomeError, ParameterError, Status
 
-from .niches import niche_of
-from .operators import crossover, delete, duplicate, flip, mutate_points, mutate_scent, scatter_scent, tournament
+from .individual import Child, Individual, genome_of_plain, individual_of_plain, plain_genome, plain_individual
+from .schemes import search_of
 from .settings import Settings
 
-
-@dataclass(frozen=True)
-class Individual:
-    """Attributes: born: generation of the random genome from which its oldest line comes; layer: of ages, 0 the youngest."""
-
-    genome: Genome
-    evaluation: Evaluation
-    born: int = 0
-    layer: int = 0
-
-
-class _Child(NamedTuple):
-    genome: Genome
-    born: int
-    layer: int
+_STATE = 1  # version of the plain data
+_COUNTERS = ("generation", "evaluations", "stagnation", "bred")
 
 
 @dataclass(frozen=True)
@@ -68,22 +52,28 @@ class Evolution:
     what, or in which order.
 
     Args: start: genomes to begin from, each as it is and then in mutants, in turn, up to `settings.start_share` of the first
-    population; the rest is random.
+    population; the rest is random.  scheme: name of the one whose search this is; where that is one population, layers or niches
+    above 1 in `settings` part it.
 
-    Attributes: population (best first), champion, generation (of the population), evaluations.
+    Attributes: population (best first), champion, generation (of the population), evaluations, children (of the last generation,
+    whether they stayed or not), bred (children so far), search.
     """
 
-    def __init__(self, settings: Settings = Settings(), seed: int = 0, start: Sequence[Genome] = ()):
+    def __init__(self, settings: Settings = Settings(), seed: int = 0, start: Sequence[Genome] = (), scheme: str = "panmictic"):
         if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**63:
             raise ParameterError(f"seed is {seed!r}: give a whole number from 0 to 2^63 - 1")
         self.settings = settings
         self.seed = seed
         self.start = tuple(start)
+        self.scheme = scheme
+        self.search = search_of(settings, scheme)
         self.population: list[Individual] = []
+        self.children: list[Individual] = []
         self.generation = -1
         self.evaluations = 0
         self.stagnation = 0
-        self._children: list[_Child] = []
+        self.bred = 0
+        self._children: list[Child] = []
         self._asked: list[Genome] = []
 
     @property
@@ -97,8 +87,10 @@ class Evolution:
     def ask(self) -> list[Genome]:
         """The next generation's genomes that still need an evaluation: each once, and none that the population knows."""
         if not self._children:
-            rng = np.random.default_rng((self.seed, self.generation + 1))
-            self._children = self._breed(rng) if self.population else self._first(rng)
+            now = self.generation + 1
+            rng = np.random.default_rng((self.seed, now))
+            bred = self.search.breed(self.population, now, rng) if self.population else self.search.first(self.start, rng)
+            self._children = list(_some(bred, "bred", self.scheme))
             known = self._known()
             self._asked = list({one.genome.key(): one.genome for one in self._children if one.genome.key() not in known}.values())
         return self._asked
@@ -109,102 +101,51 @@ class Evolution:
             raise ValueError(f"{len(evaluations)} evaluations for {len(self._asked)} genomes: give one each, in the order asked")
         known = self._known() | {genome.key(): evaluation for genome, evaluation in zip(self._asked, evaluations)}
         before = self.champion.evaluation.fitness if self.population else -np.inf
-        children = [Individual(genome, known[genome.key()], born, layer) for genome, born, layer in self._children]
+        children = [
+            Individual(one.genome, known[one.genome.key()], one.born, one.layer, self.bred + k, one.parents, one.operators)
+            for k, one in enumerate(self._children)
+        ]
+        settled = _some(self.search.settle(self.population, children, self.generation + 1), "settled", self.scheme)
+        self.population = sorted(settled, key=lambda one: -one.evaluation.fitness)
+        self.children = children
         self.generation += 1
-        self.population = self._settle(children + self._elite())
+        self.bred += len(children)
         self._children, self._asked = [], []
         self.evaluations += len(evaluations)
         improved = self.champion.evaluation.fitness > before
         self.stagnation = 0 if improved else self.stagnation + 1
         return self._statistics(improved)
 
+    def state(self) -> dict[str, Any]:
+        """All that the run is after its last generation, as plain data that JSON carries without the loss of a bit."""
+        return {
+            "version": _STATE, "scheme": self.scheme, "settings": dataclasses.asdict(self.settings), "seed": self.seed,
+            "start": [plain_genome(genome) for genome in self.start], **{name: getattr(self, name) for name in _COUNTERS},
+            "population": [plain_individual(one) for one in self.population], "search": self.search.state(),
+        }
+
+    @classmethod
+    def resumed(cls, state: dict[str, Any]) -> Evolution:
+        """The run that gave this state away: it goes on with the same bits.  Its scheme must be registered."""
+        version = state.get("version")
+        if version != _STATE:
+            raise ParameterError(f"state of version {version!r}: give one of version {_STATE}, which this program reads")
+        try:
+            start = [genome_of_plain(genome) for genome in state["start"]]
+            settings = Settings(**{field.name: state["settings"][field.name] for field in dataclasses.fields(Settings)})
+            evolution = cls(settings, state["seed"], start, state["scheme"])
+            evolution.generation, evolution.evaluations, evolution.stagnation, evolution.bred = (index(state[name]) for name in _COUNTERS)
+            evolution.population = [individual_of_plain(one) for one in state["population"]]
+            evolution.search.restore(state["search"])
+        except (ParameterError, GenomeError):
+            raise
+        except (AttributeError, KeyError, TypeError, ValueError) as error:
+            what = f"{type(error).__name__}: {error}"[:200]
+            raise ParameterError(f"state that is not whole ({what}): give what a run gave away, unchanged") from None
+        return evolution
+
     def _known(self) -> dict[bytes, Evaluation]:
         return {one.genome.key(): one.evaluation for one in self.population}
-
-    def _group(self, one: Individual) -> int:
-        """Its layer or niche: who competes with whom."""
-        return one.layer if self.settings.layers > 1 else niche_of(one.evaluation.metrics, self.settings.niches)
-
-    def _elite(self) -> list[Individual]:
-        elite, seen = [], Counter()
-        for one in self.population:
-            group = self._group(one)
-            seen[group] += 1
-            if seen[group] <= self.settings.elite:
-                elite.append(one)
-        return elite
-
-    def _settle(self, everyone: list[Individual]) -> list[Individual]:
-        """The best, as many as each layer or niche holds, best first.  Who is too old for its layer moves up."""
-        s, kept, count = self.settings, [], Counter()
-        # The sort is stable and children come first, so of equals the younger lives on: neutral drift.
-        for one in sorted(everyone, key=lambda one: -one.evaluation.fitness):
-            layer = max(one.layer, s.layer_of(self.generation - one.born))
-            one = one if layer == one.layer else replace(one, layer=layer)
-            group = self._group(one)
-            count[group] += 1
-            if count[group] <= s.size:
-                kept.append(one)
-        return kept
-
-    def _breed(self, rng: np.random.Generator) -> list[_Child]:
-        s, now, children = self.settings, self.generation + 1, []
-        if s.niches > 1:
-            return self._breed_niches(rng)
-        for layer in range(s.layers):
-            if layer == 0 and s.layers > 1 and now % s.age_gap == 0:
-                children += [_Child(genome, now, 0) for genome in self._scattered(self._random(s.size, rng), rng)]
-                continue
-            # Where all have just moved up, there may be no parents nearer than the youngest layer, which is never empty.
-            parents = [p for p in self.population if layer - 1 <= p.layer <= layer] or [p for p in self.population if p.layer < layer]
-            fitness = np.array([one.evaluation.fitness for one in parents])
-            children += [self._child(parents, fitness, layer, rng) for _ in range(s.size - s.elite)]
-        return children
-
-    def _breed_niches(self, rng: np.random.Generator) -> list[_Child]:
-        """Children of parents of one niche each, which is drawn evenly from those that are settled."""
-        s, niches = self.settings, {}
-        for one in self.population:
-            niches.setdefault(self._group(one), []).append(one)
-        settled = [(parents, np.array([one.evaluation.fitness for one in parents])) for parents in niches.values()]
-        return [self._child(*settled[rng.integers(len(settled))], 0, rng) for _ in range(s.population - s.elite)]
-
-    def _child(self, parents: list[Individual], fitness: np.ndarray, layer: int, rng: np.random.Generator) -> _Child:
-        s = self.settings
-        mother = parents[tournament(fitness, rng, s.tournament)]
-        genome, born = mother.genome, mother.born
-        if rng.random() < s.crossover:
-            father = parents[tournament(fitness, rng, s.tournament)]
-            genome, born = crossover(genome, father.genome, rng), min(born, father.born)
-        return _Child(self._mutant(genome, rng), born, layer)
-
-    def _first(self, rng: np.random.Generator) -> list[_Child]:
-        """The first generation: what is given and its mutants in the oldest layers, random genomes in the others."""
-        s, given = self.settings, list(self.start[: self.settings.population])
-        count = round(s.start_share * s.population) if given else 0
-        others = [self._mutant(given[k % len(given)], rng) for k in range(len(given), count)]
-        others += self._random(max(s.population, s.founders) - len(given) - len(others), rng)
-        genomes = given + self._scattered(others, rng)
-        return [_Child(genome, 0, max(0, s.layers - 1 - k // s.size)) for k, genome in enumerate(genomes)]
-
-    def _random(self, count: int, rng: np.random.Generator) -> list[Genome]:
-        return [random_genome(rng, self.settings.units, self.settings.extent) for _ in range(count)]
-
-    def _scattered(self, genomes: list[Genome], rng: np.random.Generator) -> list[Genome]:
-        extent = self.settings.scent_extent
-        return [scatter_scent(genome, rng, extent) for genome in genomes] if extent else genomes
-
-    def _mutant(self, genome: Genome, rng: np.random.Generator) -> Genome:
-        s = self.settings
-        if rng.random() < s.duplication:
-            genome = duplicate(genome, rng, s.run_length)
-        if rng.random() < s.deletion:
-            genome = delete(genome, rng, s.run_length)
-        scale = s.point_scale * 10.0 ** (-s.point_decades * rng.random()) if s.point_decades else s.point_scale
-        genome = flip(mutate_points(genome, rng, s.point_mutation, scale), rng, s.flip)
-        if s.scent_mutation and rng.random() < s.scent_mutation:
-            genome = mutate_scent(genome, rng, s.point_scale, s.scent_extent)
-        return genome
 
     def _statistics(self, improved: bool) -> Generation:
         fitness = [one.evaluation.fitness for one in self.population]
@@ -221,6 +162,12 @@ class Evolution:
             status_count=tuple(status[s] for s in Status),
             improved=improved,
         )
+
+
+def _some(given: list, done: str, scheme: str) -> list:
+    if not given:
+        raise ValueError(f"the search of scheme {scheme!r} has {done} nobody: let it give one at the least")
+    return given
 
 
 def diversity(genomes: list[Genome]) -> float:

@@ -93,7 +93,7 @@ class _Run:
         self.auditor: Auditor  # set before `go`
         self.champion: Individual | None = None  # the one recorded last; drift may put its equals before it
         self.verdict = _NOT_AUDITED  # on it
-        self.evolution = Evolution(options.settings, options.seed, options.start)
+        self.evolution = Evolution(options.settings, options.seed, options.start, options.scheme)
 
     def go(self) -> int:
         try:

@@ -1,4 +1,4 @@
-"""The numbers of the genetic algorithm, and named sets of them: the schemes of a search."""
+"""The numbers of the genetic algorithm.  They are one flat set, as the command line's flags and the message `Evolution` have them."""
 
 from __future__ import annotations
 
@@ -54,37 +54,3 @@ class Settings(Checked):
     def size(self) -> int:
         """Individuals of a layer or niche."""
         return self.population // max(self.layers, self.niches)
-
-    def layer_of(self, age: int) -> int:
-        """The lowest layer that is open to an age in generations: those below 1, 2, 4, 9, 16, ... gaps; the last has no limit."""
-        layer = 0
-        while layer < self.layers - 1 and age >= self.age_gap * max(layer + 1, layer**2):
-            layer += 1
-        return layer
-
-
-# What differs from the defaults of Settings, by scheme.  "paper": its section 3, and what its authors' saved files fit.
-SCHEMES: dict[str, dict[str, float]] = {
-    "panmictic": {},
-    "paper": {"tournament": 2, "point_mutation": 0.1, "point_scale": 3.0, "flip": 0.0},
-    "alps": {"layers": 5},
-    "niches": {"niches": 5, "founders": 1000, "point_decades": 1.0, "tournament": 2},
-}
-_ROOM = 10  # individuals of a niche, at the least, of which something can evolve
-# The same by task, below what a scheme says: docs/chemotaxis.md.
-OF_TASK = {"chemotaxis": {"scent_extent": 6.0, "scent_mutation": 0.25, "point_mutation": 0.015, "point_scale": 0.7}}
-
-
-def default_scheme(task: str, settings: dict[str, float] | None = None) -> str:
-    """The scheme of a search that names none: niches for swimmers, where its other settings leave them room (docs/model.md)."""
-    chosen, niches = settings or {}, SCHEMES["niches"]["niches"]
-    size, over = divmod(chosen.get("population", Settings.population), niches)
-    fits = size >= _ROOM and not over and chosen.get("layers", 1) == 1
-    return "niches" if task == "swim" and fits else "panmictic"
-
-
-def scheme(name: str, task: str = "swim") -> dict[str, float]:
-    """What a scheme and a task change, for `Settings(**scheme(name, task))`.  Raises ParameterError where there is none of that name."""
-    if name not in SCHEMES:
-        raise ParameterError(f"scheme {name!r} is unknown: choose one of {', '.join(SCHEMES)}")
-    return OF_TASK.get(task, {}) | SCHEMES[name]

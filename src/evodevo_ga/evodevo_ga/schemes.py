@@ -1,0 +1,103 @@
+"""Schemes: named ways to search, each a set of numbers and the class that searches with them.
+
+    register(Scheme("climb", "children of the champion alone", {"population": 20}, Climb))      # then `Evolution(..., scheme="climb")`
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+from evodevo_sim import ParameterError
+
+from .layers import Layers
+from .niches import Niches
+from .panmictic import Panmictic
+from .search import Search
+from .settings import Settings
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """A way to search.
+
+    Attributes: name: as `--scheme` takes it; what: it is, in a few words; settings: what differs from the defaults of Settings;
+    search: its class, or anything that makes a Search of Settings.
+    """
+
+    name: str
+    what: str
+    settings: Mapping[str, float] = field(default_factory=dict)
+    search: Callable[[Settings], Search] = Panmictic
+
+    def __post_init__(self):
+        known = [item.name for item in dataclasses.fields(Settings)]
+        for name in self.settings:
+            if name not in known:
+                raise ParameterError(f"scheme {self.name!r}: setting {name!r} is unknown: choose one of {', '.join(known)}")
+        object.__setattr__(self, "settings", MappingProxyType(dict(self.settings)))
+
+
+_schemes: dict[str, Scheme] = {}
+SCHEMES: Mapping[str, Scheme] = MappingProxyType(_schemes)
+
+
+def register(scheme: Scheme) -> None:
+    """Add a scheme, so that its name can be given wherever schemes are.  Raises ParameterError where the name is taken."""
+    if _schemes.get(scheme.name, scheme) != scheme:
+        raise ParameterError(f"scheme {scheme.name!r} is taken: give yours another name than {', '.join(_schemes)}")
+    _schemes[scheme.name] = scheme
+
+
+for _scheme in (
+    Scheme("panmictic", "one population in which all compete"),
+    # Section 3 of the paper, and what its authors' saved files fit.
+    Scheme("paper", "its baseline", {"tournament": 2, "point_mutation": 0.1, "point_scale": 3.0, "flip": 0.0}),
+    Scheme("alps", "age layers", {"layers": 5}, Layers),
+    Scheme("niches", "of body shapes", {"niches": 5, "founders": 1000, "point_decades": 1.0, "tournament": 2}, Niches),
+):
+    register(_scheme)
+
+# The settings that part a population when above 1, and the search that does it.
+_PARTING: dict[str, type[Panmictic]] = {"layers": Layers, "niches": Niches}
+_ROOM = 10  # individuals of a niche, at the least, of which something can evolve
+# What differs from the defaults of Settings by task, below what a scheme says: docs/chemotaxis.md.
+OF_TASK = {"chemotaxis": {"scent_extent": 6.0, "scent_mutation": 0.25, "point_mutation": 0.015, "point_scale": 0.7}}
+
+
+def default_scheme(task: str, settings: dict[str, float] | None = None) -> str:
+    """The scheme of a search that names none: niches for swimmers, where its other settings leave them room (docs/model.md)."""
+    chosen, niches = settings or {}, SCHEMES["niches"].settings["niches"]
+    size, over = divmod(chosen.get("population", Settings.population), niches)
+    fits = size >= _ROOM and not over and chosen.get("layers", 1) == 1
+    return "niches" if task == "swim" and fits else "panmictic"
+
+
+def scheme_of(name: str) -> Scheme:
+    """Raises ParameterError where there is none of that name."""
+    if name not in SCHEMES:
+        raise ParameterError(f"scheme {name!r} is unknown: choose one of {', '.join(SCHEMES)}")
+    return SCHEMES[name]
+
+
+def scheme(name: str, task: str = "swim") -> dict[str, float]:
+    """What a scheme and a task change, for `Settings(**scheme(name, task))`.  Raises ParameterError where there is none of that name."""
+    return OF_TASK.get(task, {}) | dict(scheme_of(name).settings)
+
+
+def search_of(settings: Settings, name: str = "panmictic") -> Search:
+    """The search of a scheme.  Schemes of one population take layers or niches too, whichever the settings have above 1.
+
+    Raises ParameterError where there is no scheme of that name, or its search takes no such parts.
+    """
+    make = scheme_of(name).search
+    for number, parted in _PARTING.items():
+        if getattr(settings, number) > 1:
+            if make is Panmictic or make in _PARTING.values():
+                return parted(settings)
+            if not (isinstance(make, type) and issubclass(make, parted)):
+                given = f"settings.{number} is {getattr(settings, number)}"
+                raise ParameterError(f"{given}: give 1, the search of scheme {name!r} has no {number}")
+    return make(settings)
