@@ -11,8 +11,9 @@ from __future__ import annotations
 import argparse
 
 import numpy as np
-from evodevo_sim.parameters import TASKS, default_task, with_settings
+from evodevo_sim.parameters import default_task, with_settings
 from evodevo_sim.ros.command_line import pairs
+from evodevo_sim.task_kinds import names
 from evodevo_sim.tasks.walk.audit import trial
 from evodevo_sim.tasks.walk.fitness import headings
 
@@ -46,7 +47,7 @@ def lives(genome, task, starts):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("genomes", nargs="+", metavar="GENOME")
-    parser.add_argument("--task", default="walk", choices=TASKS)
+    parser.add_argument("--task", default="walk", choices=names())
     parser.add_argument("--starts", type=int, default=4, help="of a walker (default %(default)s)")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE")
     options = parser.parse_args()

@@ -20,8 +20,9 @@ import numpy as np
 from evodevo_ga.feasible import check
 from evodevo_ga.operators import scatter_scent
 from evodevo_sim.analysis.gait import GaitError, analyse, track_of_performance
-from evodevo_sim.parameters import TASKS, default_task, with_settings
+from evodevo_sim.parameters import default_task, with_settings
 from evodevo_sim.ros.command_line import pairs
+from evodevo_sim.task_kinds import names
 from evodevo_sim.tasks.audit import audit
 from tqdm import tqdm
 
@@ -40,7 +41,7 @@ def arguments(parser: argparse.ArgumentParser) -> argparse.Namespace:
     parser.add_argument("--seeds", type=int, default=3, help="runs, of seeds FIRST, FIRST + 1, ... (default %(default)s)")
     parser.add_argument("--first", type=int, default=1, help="first seed (default %(default)s)")
     parser.add_argument("--generations", type=int, default=Settings().generations, help="of each run (default %(default)s)")
-    parser.add_argument("--task", default="swim", choices=TASKS, help="what to evolve for (default %(default)s)")
+    parser.add_argument("--task", default="swim", choices=names(), help="what to evolve for (default %(default)s)")
     parser.add_argument("--scheme", choices=SCHEMES, help="of the search (default that of the task); --set goes over it")
     parser.add_argument("--start", nargs="+", default=[], metavar="FILE", help="genomes to begin from")
     parser.add_argument("--random-only", type=int, metavar="N", help="random search alone, with N evaluations of each seed")

@@ -20,6 +20,7 @@ ROOMS = (
     ("whole_file", "files written whole or not at all", ""),
     ("kernels", "how compiled code is made", ""),
     ("profiles", "heights of ground and ceiling", ""),
+    ("task_kinds", "table of tasks", "4"),
     ("parameters", "every number of the model", ""),
     ("worlds", "grounds to walk on", "4.1"),
     ("genetics", "genome, regulatory network", "2.1"),

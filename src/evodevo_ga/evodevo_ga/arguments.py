@@ -7,16 +7,17 @@ import os
 from datetime import datetime
 from pathlib import Path
 
-from evodevo_sim.parameters import PRESETS, TASKS, default_task, preset, with_settings
+from evodevo_sim.parameters import PRESETS, default_task, known_kind, preset, with_settings
 from evodevo_sim.ros.command_line import Parser, pairs
 from evodevo_sim.ros.process import without_ros
+from evodevo_sim.task_kinds import names
 from evodevo_sim.worlds import PRESETS as WORLDS
 from evodevo_sim.worlds import with_world
 
 from evodevo_sim import Genome, GenomeError, ParameterError, Task, load_genome
 
 from .feasible import check
-from .schemes import OF_TASK, SCHEMES, default_scheme, scheme, search_of
+from .schemes import SCHEMES, default_scheme, scheme, search_of
 from .settings import Settings
 
 _EPILOG = """\
@@ -62,7 +63,7 @@ class Options:
 def parse(arguments: list[str]) -> Options:
     """Options of a command line.  Leaves with exit code 2 and one line where something is wrong."""
     parser = Parser("evolve", "Evolve soft-bodied animats that grow from one cell and move without a central controller.", _EPILOG)
-    parser.add_argument("--task", default=TASKS[0], metavar="NAME", help=f"what to evolve for: {', '.join(TASKS)} (default %(default)s)")
+    parser.add_argument("--task", default=names()[0], metavar="NAME", help=f"what to evolve for: {', '.join(names())} (default %(default)s)")
     parser.add_argument("--world", metavar="NAME|FILE", help=f"walk: {', '.join(WORLDS)}, or a file of your own (default flat)")
     starts = f"walk: orientations at birth, of which the worse half counts (default {default_task('walk').starts})"
     parser.add_argument("--starts", type=int, metavar="N", help=starts)
@@ -116,7 +117,7 @@ def parse(arguments: list[str]) -> Options:
 
 
 def _defaults(field) -> str:
-    named = OF_TASK | {one.name: one.settings for one in SCHEMES.values()}
+    named = {name: known_kind(name).search for name in names()} | {one.name: one.settings for one in SCHEMES.values()}
     differ = [f"{settings[field.name]} for {name}" for name, settings in named.items() if field.name in settings]
     return ", ".join([str(field.default), *differ])
 

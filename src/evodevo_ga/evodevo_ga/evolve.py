@@ -178,7 +178,7 @@ class _Run:
             self.recorder.write("evolution/champion", champion, now)
             self.champions.publish(champion)
             _save(self.options, generation.generation, self.champion, self.verdict)
-            if self.options.task.name in audit.TASKS and not self.champion.evaluation.cause:
+            if self.options.task.kind.audit is not None and not self.champion.evaluation.cause:
                 self.auditor.submit(generation.generation, self.champion)
         while self.auditor.ready:
             self._record_finding(self.auditor.next_finding())

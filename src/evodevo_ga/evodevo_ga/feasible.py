@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from evodevo_sim.parameters import setting_of
 from evodevo_sim.physics.rates import ACCURATE_RK4, MOST_SUBSTEPS
 
 from evodevo_sim import Genome, ParameterError, Task
@@ -53,12 +54,10 @@ def _check_physics(task: Task) -> None:
 
 
 def _check_scene(task: Task) -> None:
-    s = task.scene
-    if task.name == "walk":
-        if s.gravity == 0.0:
-            raise ParameterError("scene.gravity is 0: give more, a walker would never come to rest on the ground")
-    elif s.drag_normal == 0.0 and s.drag_tangential == 0.0:
-        raise ParameterError("scene.drag_normal and scene.drag_tangential are 0: give one of them more, without a fluid nothing can swim")
+    needed = task.kind.needed
+    if needed and not any(setting_of(task, name) for name in needed):
+        are, give = ("is", "more") if len(needed) == 1 else ("are", "one of them more")
+        raise ParameterError(f"{' and '.join(needed)} {are} 0: give {give}, {task.kind.needed_because}")
 
 
 def _check_search(task: Task, settings: Settings, start: Sequence[Genome]) -> None:

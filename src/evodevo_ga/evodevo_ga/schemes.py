@@ -10,6 +10,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
+from evodevo_sim.parameters import known_kind
+
 from evodevo_sim import ParameterError
 
 from .layers import Layers
@@ -63,16 +65,17 @@ for _scheme in (
 # The settings that part a population when above 1, and the search that does it.
 _PARTING: dict[str, type[Panmictic]] = {"layers": Layers, "niches": Niches}
 _ROOM = 10  # individuals of a niche, at the least, of which something can evolve
-# What differs from the defaults of Settings by task, below what a scheme says: docs/chemotaxis.md.
-OF_TASK = {"chemotaxis": {"scent_extent": 6.0, "scent_mutation": 0.25, "point_mutation": 0.015, "point_scale": 0.7}}
 
 
 def default_scheme(task: str, settings: dict[str, float] | None = None) -> str:
-    """The scheme of a search that names none: niches for swimmers, where its other settings leave them room (docs/model.md)."""
+    """The scheme of a search that names none: what suits the task, niches only where its other settings leave them room (docs/model.md)."""
+    suits = known_kind(task).scheme
+    if suits != "niches":
+        return suits
     chosen, niches = settings or {}, SCHEMES["niches"].settings["niches"]
     size, over = divmod(chosen.get("population", Settings.population), niches)
     fits = size >= _ROOM and not over and chosen.get("layers", 1) == 1
-    return "niches" if task == "swim" and fits else "panmictic"
+    return suits if fits else "panmictic"
 
 
 def scheme_of(name: str) -> Scheme:
@@ -84,7 +87,7 @@ def scheme_of(name: str) -> Scheme:
 
 def scheme(name: str, task: str = "swim") -> dict[str, float]:
     """What a scheme and a task change, for `Settings(**scheme(name, task))`.  Raises ParameterError where there is none of that name."""
-    return OF_TASK.get(task, {}) | dict(scheme_of(name).settings)
+    return dict(known_kind(task).search) | dict(scheme_of(name).settings)
 
 
 def search_of(settings: Settings, name: str = "panmictic") -> Search:

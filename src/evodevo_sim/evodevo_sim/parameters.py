@@ -13,6 +13,7 @@ from collections import namedtuple
 from dataclasses import dataclass, field
 
 from .profiles import fault
+from .task_kinds import TaskKind, kind_of, names
 
 VARIANTS = ("continual_graph", "graph_at_end")
 PROFILES = ("ground_x", "ground_y", "ceiling_x", "ceiling_y")
@@ -161,28 +162,29 @@ class Task(Checked):
 
     def __post_init__(self):
         super().__post_init__()
-        if self.name not in TASKS:
-            raise ParameterError(f"task {self.name!r} is unknown: choose one of {', '.join(TASKS)}")
+        kind = known_kind(self.name)
         if self.windows % 2:
             raise ParameterError(f"task.windows is {self.windows}: give an even number, so that the run has two halves")
-        if self.name == "walk" and self.noise.sensing:
-            raise ParameterError(f"noise.sensing is {self.noise.sensing:g}: leave it at 0 where the task is walk, which has no scent")
+        for setting, why in kind.unused.items():
+            if value := setting_of(self, setting):
+                raise ParameterError(f"{setting} is {value:g}: leave it at 0 where the task is {self.name}, {why}")
         if self.control_steps % self.windows:
             raise ParameterError(f"task.control_steps is {self.control_steps}: give a multiple of the {self.windows} windows")
 
     @property
     def has_target(self) -> bool:
         """Whether the scene has a target, whose scent reaches the network."""
-        return self.name == "chemotaxis"
+        return self.kind.has_target
 
+    @property
+    def has_ground(self) -> bool:
+        """Whether it happens on the ground of its scene."""
+        return self.kind.has_ground
 
-# What differs from the defaults above, by task.
-_OF_TASK: dict[str, dict[str, object]] = {
-    "swim": {},
-    "chemotaxis": {},
-    "walk": {"scene.drag_normal": 0.0, "scene.drag_tangential": 0.0, "scene.gravity": 5.0, "scene.friction": 0.8},
-}
-TASKS = tuple(_OF_TASK)
+    @property
+    def kind(self) -> TaskKind:
+        """What the task is: its functions and facts."""
+        return known_kind(self.name)
 
 
 # Named sets of settings, for any task that has drag.
@@ -201,7 +203,21 @@ def preset(name: str) -> dict[str, object]:
 
 def default_task(name: str) -> Task:
     """The task of a name with its own defaults.  Raises ParameterError where there is none."""
-    return with_settings(Task(), {"name": name, **_OF_TASK.get(name, {})})
+    return with_settings(Task(), {"name": name, **known_kind(name).defaults})
+
+
+def known_kind(name: str) -> TaskKind:
+    """The kind of task of a name.  Raises ParameterError that names those that exist."""
+    kind = kind_of(name)
+    if kind is None:
+        raise ParameterError(f"task {name!r} is unknown: choose one of {', '.join(names())}")
+    return kind
+
+
+def setting_of(task: Task, name: str) -> float:
+    """A number of a task by its name, e.g. `noise.sensing`."""
+    part, _, field_name = name.rpartition(".")
+    return getattr(getattr(task, part) if part else task, field_name)
 
 
 def with_settings(task: Task, values: dict[str, object]) -> Task:

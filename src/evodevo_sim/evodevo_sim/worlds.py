@@ -52,8 +52,8 @@ def with_world(task: Task, name: str | os.PathLike) -> Task:
             near = difflib.get_close_matches(str(name), PRESETS, 1, 0.0)[0]
             raise ParameterError(f"world {str(name)!r} is neither a file nor one of {', '.join(PRESETS)}: did you mean {near!r}?")
         document = _read(path)
-    if task.name != "walk":
-        raise ParameterError(f"a world is for the task walk: {task.name} has no ground")
+    if not task.has_ground:
+        raise ParameterError(f"a world is for tasks that happen on the ground, such as walk: {task.name} has no ground")
     try:
         return dataclasses.replace(task, scene=dataclasses.replace(task.scene, **scene_of(document)))
     except ParameterError as error:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import sys
 
 from ..genetics.genome import GenomeError
-from ..parameters import TASKS, ParameterError
+from ..parameters import ParameterError
 from ..physics.energy import LEDGER
 from ..recording import RecordingError
 from ..recording.champion import champion_of
 from ..ros.command_line import Parser, pairs, say_if_compiling
 from ..ros.process import without_ros
+from ..task_kinds import names
 from ..tasks.audit import MOST_CHANGE, Audit, audit
 from ..tasks.walk.audit import MOST_CHANGE as MOST_WALK_CHANGE
 
@@ -33,7 +34,7 @@ Exit code: 0 it stands, 1 it does not, 2 bad input.
 def main(arguments: list[str] | None = None) -> int:
     parser = Parser("audit", "Repeat a champion in finer steps and by a better method.", _EPILOG)
     parser.add_argument("source", metavar="GENOME|BAG", help="a genome file, or the recording of a run")
-    parser.add_argument("--task", default=TASKS[0], metavar="NAME", help=f"for a genome: {', '.join(TASKS)} (default %(default)s)")
+    parser.add_argument("--task", default=names()[0], metavar="NAME", help=f"for a genome: {', '.join(names())} (default %(default)s)")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="for a genome: a number of its task")
     parser.add_argument(
         "--within", type=float, metavar="X", help=f"change that still stands, relative (default {MOST_CHANGE}, of walkers {MOST_WALK_CHANGE})"

@@ -9,14 +9,10 @@ from concurrent.futures import Future
 
 import numpy as np
 
-from ..brain.life import birth
 from ..brain.scent import make_signals, scent_row
 from ..genetics.genome import Genome
 from ..parameters import ParameterError, Task
 from ..tasks.outcome import FAILURE, STIFF, Status
-from ..tasks.swim.fitness import kernel_arguments
-from ..tasks.swim.kernel import live
-from ..tasks.walk import fitness as walk_task
 
 _NOT_KEPT = np.empty((0, 0))
 _NO_TRACK = np.empty((0, 0, 0))
@@ -43,12 +39,13 @@ class Animat:
 
     def __init__(self, genome: Genome, task: Task = Task(), seed: int = 0):
         self.genome, self.task, self.seed = genome, task, seed
+        self._live = task.kind.function("live")
         self.target: tuple[float, float] | None = None
         self.reset()
 
     def reset(self) -> None:
         """Back to birth.  The target stays."""
-        status, self._mover, self._life = _BEGIN[self.task.name](self.genome, self.task, self.seed)
+        status, self._mover, self._life = self.task.kind.function("begin")(self.genome, self.task, self.seed)
         self.status = Status(status)
         if self.status != Status.OK:
             raise NotViable(STIFF if self.status == Status.UNSTABLE else self.cause)
@@ -71,7 +68,7 @@ class Animat:
         """Live for one control step: one regulation step, then the body's."""
         if self.status == Status.OK:
             task = self.task
-            status, _ = _LIVE[task.name](
+            status, _ = self._live(
                 self._mover, self.steps, self.steps + 1, task.control_step, task.development.arguments(),
                 task.development.variant == "continual_graph", self._signals(), _NOT_KEPT, _NO_TRACK, _NOT_KEPT,
             )
@@ -86,17 +83,6 @@ class Animat:
             self._life.table[scent_row(self._life.units)] = 0.0
         scent = task.chemotaxis
         return make_signals(target, scent.scent_peak, scent.scent_reach, task.noise.arguments(), self.seed)
-
-
-def _begin_swim(genome, task, _seed):
-    genome, task, *others = kernel_arguments(genome, task)
-    status, life = birth(genome, *others, task.control_step, 1)
-    return status, life, life
-
-
-# By task: begin(genome, task, seed) -> (status, what live moves, Life); live: see `swim.live`
-_BEGIN = {"swim": _begin_swim, "chemotaxis": _begin_swim, "walk": walk_task.begin}
-_LIVE = {"swim": live, "chemotaxis": live, "walk": walk_task.live}
 
 
 def _read_only(array):

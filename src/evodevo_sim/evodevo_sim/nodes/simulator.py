@@ -18,7 +18,7 @@ from evodevo_msgs.srv import Evaluate, Load
 
 from ..genetics.genome import Genome, GenomeError
 from ..live.animat import Animat, NotViable, Stage
-from ..parameters import TASKS, ParameterError, default_task
+from ..parameters import ParameterError, default_task
 from ..ros.command_line import Parser
 from ..ros.messages import (
     body_message,
@@ -28,6 +28,7 @@ from ..ros.messages import (
     task_from_message,
 )
 from ..ros.process import run
+from ..task_kinds import names
 from ..tasks.evaluation import evaluate, invalid, prepare
 from ..tasks.outcome import Evaluation
 
@@ -48,7 +49,7 @@ class Simulator(Node):
         self._frame = self.declare_parameter("frame_id", "world", _fixed("frame of positions and targets")).value
         self._most = self.declare_parameter("max_batch", 1000, _fixed("genomes in one request, at the most", 1, 10_000)).value
         every = self.declare_parameter("publish_every", 1, _fixed("control steps between cell states", 1, 100_000)).value
-        first = self.declare_parameter("task", TASKS[0], _fixed("task whose first request does not wait")).value
+        first = self.declare_parameter("task", names()[0], _fixed("task whose first request does not wait")).value
         prepare(default_task(first), self.get_logger().info)
         self._oldest = self.declare_parameter("target_age", 1.0, _fixed("s, of the oldest target that counts")).value
         self._newest = 0  # ns, stamp of the last target

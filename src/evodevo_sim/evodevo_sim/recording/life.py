@@ -9,6 +9,7 @@ import numpy as np
 from ..parameters import ParameterError, Scene
 from ..physics.terrain import contacts, profile
 from ..ros.messages import scene_from_message
+from ..task_kinds import kind_of
 from . import Recording, RecordingError
 
 RINGS = 5  # drawn around a target, where its scent has fallen by another fifth
@@ -126,12 +127,17 @@ def life_of(recording: Recording) -> Life:
 def _scene(recording: Recording) -> Scene | None:
     """The world, where there is ground in it."""
     settings, scene = recording.settings, recording.scene
-    if settings is not None and settings.task.name == "walk":
+    if settings is not None and _has_ground(settings.task.name):
         scene = settings.task.scene
     try:
         return None if scene is None else scene_from_message(scene)
     except ParameterError:
         return None
+
+
+def _has_ground(task: str) -> bool:
+    kind = kind_of(task)
+    return kind is not None and kind.has_ground
 
 
 def _stamp(message) -> int:

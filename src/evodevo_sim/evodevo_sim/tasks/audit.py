@@ -10,6 +10,7 @@ less finely, and keep no ledger.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,18 +19,15 @@ from ..development.body import build_body
 from ..development.gabriel import adjacency, gabriel_graph
 from ..genetics.genome import Genome
 from ..kernels.jit import is_compiled
-from ..parameters import ParameterError, Task
+from ..parameters import ParameterError, Task, known_kind
 from ..physics.forces import make_law
 from ..physics.integrators import make_system, make_work
 from ..physics.replayed_motion import repeat
 from ..physics.stability import ADAPTIVE, RK4
-from .chemotaxis.audit import audit_seeker
+from ..task_kinds import names
 from .evaluation import Evaluation, perform
 from .repetition import Run, Way
-from .swim.audit import audit_swimmer
-from .walk.audit import audit_walk
 
-TASKS = ("swim", "walk", "chemotaxis")  # that audits can repeat
 FINER = 8
 TOLERANCE = 1e-9  # m and m/s, of a step of the adaptive run
 QUICK_FINER, QUICK_TOLERANCE = 4, 1e-6
@@ -60,32 +58,34 @@ def audit(genome: Genome, task: Task = Task(), seed: int = 0, most_change: float
     Args: as for `evaluate`; most_change: of the fitness, relative, that still stands; by default MOST_CHANGE, of a walker
         that of `walk_audit`; quick: see above.
     """
-    if task.name not in TASKS:
-        raise ParameterError(f"task {task.name!r} has no audit yet: give one of {', '.join(TASKS)}")
+    if task.kind.audit is None:
+        able = ", ".join(name for name in names() if known_kind(name).audit is not None)
+        raise ParameterError(f"task {task.name!r} has no audit yet: give one of {able}")
     first = perform(genome, task, seed)
     evaluation = first.evaluation
     if evaluation.cause:
         return Audit(evaluation, (), (f"it fails as evolved: {evaluation.cause}",))
-    if task.name == "walk":
-        evaluation, runs, faults, says = audit_walk(genome, task, seed, most_change, quick, first.body)
-        return Audit(evaluation, tuple(runs), tuple(faults), says)
-    most_change = MOST_CHANGE if most_change is None else most_change
+    return task.kind.function("audit")(genome, task, seed, first, most_change, quick)
+
+
+def ways_of(quick: bool) -> tuple[Way, ...]:
+    """How the life of a swimmer is repeated."""
     finer, tolerance = (QUICK_FINER, QUICK_TOLERANCE) if quick else (FINER, TOLERANCE)
-    ways = (
+    return (
         Way("as evolved", RK4, 1, 0.0, True, False),
         Way(f"{finer} x finer", RK4, finer, 0.0, not quick, not quick),
         Way("order 5, adaptive", ADAPTIVE, 1, tolerance, not quick, False),
     )
-    if task.name == "chemotaxis":
-        runs = audit_seeker(genome, task, seed, first, ways)
-    else:
-        runs = audit_swimmer(genome, task, seed, first, ways)
-    return Audit(evaluation, tuple(runs), tuple(_faults(runs, most_change)))
+
+
+def held(evaluation: Evaluation, runs: Sequence[Run], most_change: float | None) -> Audit:
+    """The audit that follows from the runs of `ways_of`."""
+    return Audit(evaluation, tuple(runs), tuple(_faults(runs, MOST_CHANGE if most_change is None else most_change)))
 
 
 def prepare(task: Task = Task(), say=print) -> None:
     """Compile what audits need beyond evaluations, where no process has yet; `say` is told if it is us."""
-    if task.name == "walk" or is_compiled("replayed_motion.repeat"):
+    if not task.kind.audit_kernel or is_compiled(task.kind.audit_kernel):
         return
     say("Compiling the kernels of audits, once: about half a minute.")
     position = np.array([(0.0, 0.0), (1.0, 0.0), (0.5, 0.9)])
@@ -100,7 +100,7 @@ def prepare(task: Task = Task(), say=print) -> None:
     )
 
 
-def _faults(runs: list[Run], most_change: float):
+def _faults(runs: Sequence[Run], most_change: float):
     before = runs[0].sustained
     # Of a seeker the way that it swims without a target is a small part of what it earns, and held against all of that.
     most_shift = max(most_change * (runs[0].fitness if runs[0].near else before), LEAST_CHANGE)

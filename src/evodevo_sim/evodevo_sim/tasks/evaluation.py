@@ -11,15 +11,9 @@ from ..development.body import build_body
 from ..genetics.genome import Genome, random_genome
 from ..kernels.jit import is_compiled, remove_old_caches
 from ..parameters import Task
-from .chemotaxis import fitness as chemotaxis_task
 from .outcome import Evaluation, Metrics, Status, failure
-from .swim import fitness as swim_task
 from .swim.fitness import kernel_arguments
-from .walk import fitness as walk_task
 
-# Every task: run(genome, task, seed, finer, track, traces) -> Evaluation
-_RUN = {"swim": swim_task.run, "walk": walk_task.run, "chemotaxis": chemotaxis_task.run}
-_KERNEL = {"swim": "kernel.swim", "walk": "kernel.walk", "chemotaxis": "kernel.trials"}
 _NOT_KEPT = np.empty((0, 0, 0)), np.empty((0, 0))
 
 
@@ -55,12 +49,12 @@ def evaluate(genome: Genome, task: Task = Task(), seed: int = 0) -> Evaluation:
         task: what for.
         seed: of whatever the task draws at random: noise, where there is any, and of walking the orientations at birth.
     """
-    return _RUN[task.name](genome, task, seed, 1, *_NOT_KEPT)
+    return task.kind.function("run")(genome, task, seed, 1, *_NOT_KEPT)
 
 
 def prepare(task: Task = Task(), say=print) -> None:
     """Load the kernels that evaluations of a task need, compiled by the first process that asks; `say` is told if that is us."""
-    if not is_compiled(_KERNEL[task.name]):
+    if not is_compiled(task.kind.kernel):
         say("Compiling the simulation kernels, once: about a minute.")
         remove_old_caches()
     evaluate(random_genome(np.random.default_rng(0)), task)
@@ -87,7 +81,7 @@ def perform(genome: Genome, task: Task = Task(), seed: int = 0, finer: float = 1
         body = build_body(embryo.position, embryo.edges, embryo.start, embryo.neighbour, task.material.mass)
     track = np.full((task.control_steps + 1, cells, 4), np.nan)
     traces = np.full((task.control_steps + 1, cells), np.nan)
-    evaluation = _RUN[task.name](genome, task, seed, finer, track, traces)
+    evaluation = task.kind.function("run")(genome, task, seed, finer, track, traces)
     steering = evaluation.metrics.steering
     return Performance(
         evaluation=evaluation,

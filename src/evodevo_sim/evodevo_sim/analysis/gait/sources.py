@@ -18,7 +18,7 @@ def world_of_task(task: Task) -> World:
 
 def ground_of_task(task: Task) -> Ground | None:
     """A walker's ground; None for swimmers."""
-    return Ground(tuple(task.scene.ground_x), tuple(task.scene.ground_y)) if task.name == "walk" else None
+    return Ground(tuple(task.scene.ground_x), tuple(task.scene.ground_y)) if task.has_ground else None
 
 
 def parts_of_body(body) -> dict:

@@ -5,25 +5,24 @@ In finer steps cells smell where those steps have brought them; with the muscles
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from ...genetics.genome import Genome
 from ...parameters import Task
 from ...physics.control_step import SOUND
+from ..audit import Audit, held, ways_of
 from ..evaluation import Performance
-from ..repetition import Run, Way, repeat_motion
+from ..repetition import Run, repeat_motion
 from .fitness import attempt, nearness, placements, score
 from .kernel import SAMPLES, STRAIGHT
 
 
-def audit_seeker(genome: Genome, task: Task, seed: int, first: Performance, ways: Sequence[Way]) -> list[Run]:
-    """The runs of an audit.  Args: first: the life as evolved."""
+def audit(genome: Genome, task: Task, seed: int, first: Performance, most_change: float | None, quick: bool) -> Audit:
+    """The audit of a seeker.  Args: first: its life as evolved; the others: see `tasks.audit.audit`."""
     result = attempt(genome, task, seed, placements(task), every=False)
     swims = [STRAIGHT, *range(result.swims)]
     kept = [_kept(genome, task, seed, shown) for shown in swims]
-    return [_run(genome, task, seed, first, result, kept, way) for way in ways]
+    return held(first.evaluation, [_run(genome, task, seed, first, result, kept, way) for way in ways_of(quick)], most_change)
 
 
 def _kept(genome, task, seed, shown):

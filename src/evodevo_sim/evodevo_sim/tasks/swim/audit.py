@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from ...brain.life import OK
 from ...genetics.genome import Genome
 from ...parameters import Task
 from ...physics.control_step import SOUND
+from ..audit import Audit, held, ways_of
 from ..evaluation import Evaluation, Performance, perform
 from ..repetition import Run, Way, repeat_motion
 from .fitness import score
 from .kernel import Swim
 
 
-def audit_swimmer(genome: Genome, task: Task, seed: int, first: Performance, ways: Sequence[Way]) -> list[Run]:
-    """The runs of an audit.  Args: first: the life as evolved."""
-    return [_run(genome, task, seed, first, way) for way in ways]
+def audit(genome: Genome, task: Task, seed: int, first: Performance, most_change: float | None, quick: bool) -> Audit:
+    """The audit of a swimmer.  Args: first: its life as evolved; the others: see `tasks.audit.audit`."""
+    return held(first.evaluation, [_run(genome, task, seed, first, way) for way in ways_of(quick)], most_change)
 
 
 def _run(genome: Genome, task: Task, seed: int, first: Performance, way: Way) -> Run:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...brain.life import birth
 from ...brain.scent import make_signals
 from ...genetics.genome import INPUT_NAMES, Genome
 from ...parameters import Task
@@ -22,6 +23,13 @@ def kernel_arguments(genome: Genome, task: Task):
         genome.arrays(), task.arguments(), task.development.arguments(), continual, task.material.arguments(),
         task.scene.arguments(), given_inputs(task),
     )
+
+
+def begin(genome: Genome, task: Task, seed: int):
+    """A swimmer at its birth, at rest: (status, what `live` moves, Life); nothing of it is drawn from the seed."""
+    genome_arrays, arguments, *others = kernel_arguments(genome, task)
+    status, life = birth(genome_arrays, *others, arguments.control_step, 1)
+    return status, life, life
 
 
 def run(genome: Genome, task: Task, seed: int, finer: int, track, traces) -> Evaluation:

@@ -11,7 +11,9 @@ import numpy as np
 from ...genetics.genome import Genome
 from ...parameters import Task
 from ...physics.energy import least_chamber
-from ..outcome import FAILURE, Evaluation, Status
+from ..audit import Audit
+from ..evaluation import Performance
+from ..outcome import FAILURE, Status
 from ..repetition import Run
 from .fitness import headings, kernel_arguments, noise, progress, score, start_fitness
 from .kernel import walk
@@ -42,17 +44,16 @@ def trial(genome: Genome, task: Task, directions, finer: int = 1, seed: int = 0)
     return result, start_fitness(result, task), ledger, track[:, : result.cells, :2]
 
 
-def audit_walk(
-    genome: Genome, task: Task, seed: int, most_change: float | None, quick: bool, body
-) -> tuple[Evaluation, list, list, str]:
-    """(evaluation as evolved, runs, faults, how far it walks from other starts).
+def audit(genome: Genome, task: Task, seed: int, first: Performance, most_change: float | None, quick: bool) -> Audit:
+    """The audit of a walker; it also says how far it walks from other starts.
 
-    Args: quick: less fine; body: of the genome.
+    Args: first: its life as evolved; the others: see `tasks.audit.audit`.
     """
+    body = first.body
     most_change, finer = MOST_CHANGE if most_change is None else most_change, QUICK_FINER if quick else FINER
-    result, _, *first = trial(genome, task, headings(seed, task.starts), seed=seed)
+    result, _, *rest = trial(genome, task, headings(seed, task.starts), seed=seed)
     evaluation = score(result, task)
-    runs = [_run("as evolved", evaluation.fitness, evaluation.fitness, result, *first, task, body)]
+    runs = [_run("as evolved", evaluation.fitness, evaluation.fitness, result, *rest, task, body)]
     others = other_headings(seed)
     result, fitness, *rest = trial(genome, task, others, seed=seed)
     mean, median = float(fitness.mean()), _median(fitness)
@@ -64,7 +65,7 @@ def audit_walk(
     if not far >= LEAST_SHARE * own:
         faults.append(f"{STARTS} other starts: it walks {far:.4g} m in their median, less than {LEAST_SHARE:g} of {own:.4g} m: it is the start's luck")
     says = f"It walks {far:.4g} m in the median of {STARTS} other starts, {far / max(own, 1e-12):.2f} of the {own:.4g} m from its own."
-    return evaluation, runs, faults, says
+    return Audit(evaluation, tuple(runs), tuple(faults), says)
 
 
 def _median(values) -> float:
