@@ -44,38 +44,36 @@ OTHERS = (
 
 
 def life_of(genome, task, finer=1):
-    genes, _, development, continual, material, scene, given = kernel_arguments(genome, task)
-    return birth(genes, development, continual, material, scene, given, task.control_step, finer)[1]
+    return birth(*kernel_arguments(genome, task), float(finer))[1]
 
 
 def measure(cells, genome, rounds):
     """One row: milliseconds of an evaluation, and its shares in per cent."""
     task = Task(development=Development(max_cells=cells))
-    genes, _, development, continual, material, scene, given = kernel_arguments(genome, task)
-    life = life_of(genome, task)
-    substeps = mean_substeps(life, task.control_steps, task.control_step, development, continual)
-    life = life_of(genome, task)
-    life.velocity[:] = 0.1 * np.random.default_rng(0).standard_normal(life.velocity.shape)
-    out = np.empty_like(life.velocity)
+    genes, model = kernel_arguments(genome, task)
+    substeps = mean_substeps(life_of(genome, task), task.control_steps, task.control_step, model.development, model.continual)
+    brain, state = life_of(genome, task)
+    state.velocity[:] = 0.1 * np.random.default_rng(0).standard_normal(state.velocity.shape)
+    out = np.empty_like(state.velocity)
 
     def forces(law):
-        return lambda: many_accelerations(life.body, law, life.rest, life.position, life.velocity, life.scratch, out, CALLS)
+        return lambda: many_accelerations(state.body, law, state.rest, state.position, state.velocity, state.scratch, out, CALLS)
 
-    network = life.network, life.table, life.drive, life.start, life.neighbour, life.spread
-    born = life.table.copy()
+    network = brain.network, brain.table, brain.drive, brain.start, brain.neighbour, brain.spread
+    born = brain.table.copy()
 
     def regulation():  # a whole life from birth: what decays gets denormal after 1,500 steps, and slow
-        life.table[:] = born
+        brain.table[:] = born
         many_regulations(*network, task.development.regulation_rate, cells, task.control_steps)
 
     seconds = best(race({
         "whole": lambda: evaluate(genome, task),
-        "growth": lambda: develop(genes, development, continual, given, *NOBODY),
-        "birth": lambda: birth(genes, development, continual, material, scene, given, task.control_step, 1),
+        "growth": lambda: develop(genes, model, *NOBODY),
+        "birth": lambda: birth(genes, model, 1.0),
         "regulation": regulation,
-        "checks": lambda: many_checks(life.body, life.position, life.velocity, 1e-3, life.scratch, CALLS),
-        "forces": forces(life.law),
-        **{f"without {term}": forces(life.law._replace(**changes)) for term, changes in TERMS.items()},
+        "checks": lambda: many_checks(state.body, state.position, state.velocity, 1e-3, state.scratch, CALLS),
+        "forces": forces(state.law),
+        **{f"without {term}": forces(state.law._replace(**changes)) for term, changes in TERMS.items()},
     }, rounds, f"evaluations at {cells} cells"))
     steps = substeps * task.control_steps
     calls = 4 * steps
@@ -85,7 +83,7 @@ def measure(cells, genome, rounds):
     part |= {term: max(force - seconds[f"without {term}"] / CALLS, 0.0) * calls for term in TERMS}
     part["springs"] = force * calls - sum(part[term] for term in TERMS)
     part["rest"] = seconds["whole"] - sum(part.values())
-    about = {"cells": cells, "substeps": substeps, "nodes": life.network.nodes.size, "milliseconds": 1e3 * seconds["whole"]}
+    about = {"cells": cells, "substeps": substeps, "nodes": brain.network.nodes.size, "milliseconds": 1e3 * seconds["whole"]}
     return about | {f"{name}, %": 100 * part[name] / seconds["whole"] for name in SHARES}
 
 
@@ -95,8 +93,8 @@ def errors_of(genome, task, finer, horizon, finest):
     exact = perform(genome, short, finer=finest).position[-1]
     positions = (perform(genome, short, finer=f).position[-1] for f in finer)
     errors = [float(np.sqrt(((position - exact) ** 2).sum(-1).mean())) for position in positions]
-    _, _, development, continual, *_ = kernel_arguments(genome, task)
-    return errors, [mean_substeps(life_of(genome, task, f), horizon, task.control_step, development, continual) for f in finer]
+    model = kernel_arguments(genome, task)[1]
+    return errors, [mean_substeps(life_of(genome, task, f), horizon, task.control_step, model.development, model.continual) for f in finer]
 
 
 def accuracy(genome, cells, rounds, horizon, finest):

@@ -4,16 +4,18 @@ All in one file: numba's cache looks at this file and, by `_jit`, at those of ev
 """
 
 import numpy as np
-from evodevo_sim.brain.life import think
+from evodevo_sim.brain.brain import think
+from evodevo_sim.brain.controller import Rules
 from evodevo_sim.brain.scent import Signals
 from evodevo_sim.development.gabriel import follow
 from evodevo_sim.genetics.regulation import exchange, regulate
 from evodevo_sim.kernels.jit import kernel, lean
 from evodevo_sim.physics.control_step import advance, judge
-from evodevo_sim.physics.forces import accelerations
+from evodevo_sim.physics.forces import accelerations, set_rest_lengths
 from evodevo_sim.physics.integrators import carry, carry_adaptively, set_muscles
 from evodevo_sim.physics.rates import find_drag_rate, substeps_at_rate
 from evodevo_sim.physics.stability import ADAPTIVE
+from evodevo_sim.tasks.life import Kept
 from evodevo_sim.tasks.swim.kernel import live
 
 
@@ -99,12 +101,12 @@ def grows(system, method, h, chunks, chunk, position, most, work):
 @kernel
 def live_on(life, steps, seconds, development, continual):
     """Live all control steps, whether or not all rests.  Returns: (status of the last stretch, step first seen at rest or -1)."""
-    nothing, track, traces = np.empty((2, 0)), np.empty((0, 0, 0)), np.empty((0, 0))
-    still = Signals(np.empty(0), np.empty(0), np.zeros(2, np.uint64))
+    kept = Kept(np.empty((2, 0)), np.empty((0, 0, 0)), np.empty((0, 0)))
+    rules = Rules(seconds, development, continual, Signals(np.empty(0), np.empty(0), np.zeros(2, np.uint64)))
     step, status, rested = 0, 0, -1
     while step < steps:
         before = step
-        status, step = live(life, step, steps, seconds, development, continual, still, nothing, track, traces)
+        status, step = live(life, step, steps, rules, kept)
         if step == before:  # failed
             break
         if step < steps and rested < 0:
@@ -115,11 +117,13 @@ def live_on(life, steps, seconds, development, continual):
 @lean
 def mean_substeps(life, steps, seconds, development, continual):
     """Substeps of a control step in a swim from birth, the mean of so many control steps.  No early end, no ladder."""
-    total, body, law, scratch = 0, life.body, life.law, life.scratch
-    find_drag_rate(body, law, life.position, life.velocity, scratch)
+    total, brain, state = 0, life.brain, life.state
+    body, law, scratch = state.body, state.law, state.scratch
+    find_drag_rate(body, law, state.position, state.velocity, scratch)
     for step in range(steps):
-        think(life, step, development, continual)
-        substeps = int(np.ceil(life.finer * substeps_at_rate(seconds, life.substeps, scratch)))
+        think(brain, step, development, continual)
+        set_rest_lengths(body, brain.activation, state.rest)
+        substeps = int(np.ceil(state.finer * substeps_at_rate(seconds, state.substeps, scratch)))
         total += substeps
-        advance(body, law, life.rest, life.position, life.velocity, seconds, substeps, scratch)
+        advance(body, law, state.rest, state.position, state.velocity, seconds, substeps, scratch)
     return total / steps

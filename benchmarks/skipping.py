@@ -13,11 +13,12 @@ from __future__ import annotations
 
 import numpy as np
 from common import FULL, QUICK, STEP, TINY, Figure, best, champion, default_law, main, race, slab, write_csv
-from evodevo_sim.brain.life import OK, birth
 from evodevo_sim.genetics.regulation import DIVISION, express, prune
 from evodevo_sim.kernels.lanes import aligned
 from evodevo_sim.physics.integrators import make_system, make_work
 from evodevo_sim.physics.stability import EULER, RK4
+from evodevo_sim.tasks.ends import OK
+from evodevo_sim.tasks.life import birth
 from evodevo_sim.tasks.swim.fitness import kernel_arguments
 from kernels import live_on, travel
 
@@ -86,27 +87,28 @@ def scenes(body, intervals, rounds):
 
 def born(genome, task, reads, inputs, unused):
     """A life at birth, its network pruned by what is read, the inputs that there are, and whether unused units are dropped."""
-    genes, _, development, continual, material, scene, given = kernel_arguments(genome, task)
-    life = birth(genes, development, continual, material, scene, given, task.control_step, 1)[1]
+    genes, model = kernel_arguments(genome, task)
+    life, given = birth(genes, model, 1.0)[1], model.given_inputs
     weights, units = express(*genes)
     if unused:
-        needed = prune(weights, units, np.array([False, False, True, True]), given, life.muscle.size).nodes
+        needed = prune(weights, units, np.array([False, False, True, True]), given, life.brain.activation.size).nodes
         weights[units + DIVISION, np.setdiff1d(np.arange(units), needed)] = NEAR_NOTHING
     signals = given if inputs is None else np.ones(given.size, bool)
-    network = prune(weights, units, np.array(reads), signals, life.muscle.size)
-    return life._replace(network=network, drive=aligned(network.nodes.size, life.muscle.size))
+    network = prune(weights, units, np.array(reads), signals, life.brain.activation.size)
+    return life._replace(brain=life.brain._replace(network=network, drive=aligned(network.nodes.size, life.brain.activation.size)))
 
 
 def lives(life, task):
     """An action: the state after all control steps of a life, which stays as it is for the next time."""
-    parts = {name: getattr(life, name).copy() for name in ("position", "velocity", "muscle", "table", "rest")}
+    changed = *(getattr(life.state, name) for name in ("position", "velocity", "rest")), life.brain.activation, life.brain.table
+    born_with = [array.copy() for array in changed]
     development, continual = task.development.arguments(), task.development.variant == "continual_graph"
 
     def action():
-        for name, value in parts.items():
-            getattr(life, name)[:] = value
+        for array, value in zip(changed, born_with):
+            array[:] = value
         live_on(life, task.control_steps, task.control_step, development, continual)
-        return life.position.copy(), life.velocity.copy(), life.muscle.copy()
+        return life.state.position.copy(), life.state.velocity.copy(), life.brain.activation.copy()
 
     return action
 
@@ -124,8 +126,8 @@ def networks(task, rounds):
     live_lean = lives(lean, task)
     return [
         compare(name, "scene" if name.startswith("swim") else "regulation", live_lean, lives(full, task), rounds,
-                f"{lean.network.nodes.size} of {full.network.nodes.size} nodes, "
-                f"{lean.network.weight.size} of {full.network.weight.size} weights")
+                f"{lean.brain.network.nodes.size} of {full.brain.network.nodes.size} nodes, "
+                f"{lean.brain.network.weight.size} of {full.brain.network.weight.size} weights")
         for name, full in cases.items()
     ]
 
@@ -140,10 +142,10 @@ def resting(task, genomes):
         evaluation = evaluate(genome, task)
         if evaluation.cause:
             continue
-        genes, _, _, _, material, scene, given = kernel_arguments(genome, task)
+        genes, model = kernel_arguments(genome, task)
 
         def alive():
-            status, life = birth(genes, development, continual, material, scene, given, task.control_step, 1)  # noqa: B023
+            status, life = birth(genes, model, 1.0)  # noqa: B023
             assert status == OK
             return life
 
@@ -152,7 +154,7 @@ def resting(task, genomes):
         until = rested if rested > 0 else task.control_steps
         short = alive()
         live_on(short, until, task.control_step, development, continual)
-        apart = float(np.abs(lived.position - short.position).max()) if rested > 0 else 0.0
+        apart = float(np.abs(lived.state.position - short.state.position).max()) if rested > 0 else 0.0
         seconds = best(race({
             "birth": alive,
             "exit": lambda: evaluate(genome, task),  # noqa: B023

@@ -18,7 +18,6 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numba
 import numpy as np
-from evodevo_sim.brain.life import SETTLE_LIMIT, SETTLE_TOLERANCE
 from evodevo_sim.development.body import build_body
 from evodevo_sim.development.gabriel import adjacency, gabriel_graph
 from evodevo_sim.parameters import with_settings
@@ -26,6 +25,7 @@ from evodevo_sim.physics.control_step import SOUND, advance, settle
 from evodevo_sim.physics.forces import make_law, make_scratch, set_rest_lengths
 from evodevo_sim.physics.mass import centre_of_mass
 from evodevo_sim.physics.rates import choose_substeps, substeps_in_drag
+from evodevo_sim.plant.simulated import SETTLE_LIMIT, SETTLE_TOLERANCE
 from evodevo_sim.ros.command_line import pairs
 from tqdm import tqdm
 

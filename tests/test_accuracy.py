@@ -80,7 +80,7 @@ def test_a_whole_life_is_the_same_in_every_frame():
     turn, shift = rotation(2.1), np.array([[30.0], [-20.0]])
     here, there = Animat(pulsing()), Animat(pulsing())
     start = here.position.mean(axis=0)
-    there._life.position[:] = turn @ there._life.position + shift
+    there.plant.state.position[:] = turn @ there.plant.state.position + shift
     for _ in range(Task().control_steps):
         here.step()
         there.step()

@@ -86,7 +86,7 @@ def test_scent_steers_muscles_only_where_the_task_has_a_target():
 
 
 def smelt(animat):
-    return animat._life.table[scent_row(animat._life.units), : len(animat.position)]
+    return animat.brain.brain.table[scent_row(animat.brain.brain.units), : len(animat.position)]
 
 
 # --- the three swims ----------------------------------------------------------------------------------------------------

@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bodies import slab
-from evodevo_sim.brain.life import MOST_SUBSTEPS
 from evodevo_sim.live.animat import Animat, NotViable
 from evodevo_sim.parameters import with_settings
 from evodevo_sim.physics.control_step import UNSTABLE
 from evodevo_sim.physics.forces import Law
 from evodevo_sim.physics.integrators import carry_adaptively, make_system, make_work
+from evodevo_sim.physics.rates import MOST_SUBSTEPS
 from evodevo_sim.physics.replayed_motion import follow
 from evodevo_sim.physics.stability import EULER, RK4, bounds
 from evodevo_sim.tasks.outcome import STIFF, Status

@@ -6,9 +6,10 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 from bodies import LAW, accelerations_of, body_of
-from evodevo_sim.brain.life import SETTLE_TOLERANCE, develop
 from evodevo_sim.physics.forces import make_scratch, set_rest_lengths
 from evodevo_sim.physics.rates import substeps_in_drag
+from evodevo_sim.plant.simulated import SETTLE_TOLERANCE
+from evodevo_sim.tasks.life import develop
 from evodevo_sim.tasks.outcome import Status
 from evodevo_sim.tasks.swim.fitness import kernel_arguments
 from genomes import beating, dividing, first_viable, hand_made
@@ -94,9 +95,9 @@ def test_what_cannot_swim_says_so_and_scores_below_standing_still():
 def test_a_genome_that_never_divides_ends_when_its_network_rests():
     task = Task()
     genome = hand_made({"constant": (1, 0.0, 0.0), "expansion": (1, 0.0, 0.0)})
-    genome, _, development, continual, _, _, given = kernel_arguments(genome, task)
+    genome, model = kernel_arguments(genome, task)
     nothing = np.empty((0, 0, 0)), np.empty((0, 0)), np.empty((0, 0, 0), np.int64)
-    _, _, embryo = develop(genome, development, continual, given, *nothing)
+    _, _, embryo = develop(genome, model, *nothing)
     assert len(embryo.position) == 1 and embryo.steps < task.development.steps // 2
 
 

@@ -9,6 +9,7 @@ from evodevo_sim.brain.scent import disturb
 from evodevo_sim.live.animat import Animat, NotViable
 from evodevo_sim.parameters import default_task, with_settings
 from evodevo_sim.physics.terrain import make_terrain, touching
+from evodevo_sim.plant.simulated import actuate
 from evodevo_sim.ros.messages import task_from_message, task_message
 from evodevo_sim.tasks.walk.audit import trial
 from evodevo_sim.tasks.walk.fitness import begin, headings, noise, score, start_fitness
@@ -115,11 +116,13 @@ def test_more_starts_begin_with_the_same_ones():
 
 def test_noise_of_muscles_is_each_cells_own_where_no_morphogen_is_shared():
     # In plain Python, where every index is checked: this body's network exchanges nothing, so it has no scratch for that.
-    status, walker, life = begin(ring(), NOISY, 1)
-    assert status == Status.OK and life.network.morphogens.size == 0
-    life.muscle[:], before = 0.0, life.rest.copy()
-    disturb.py_func(life, noise(with_settings(TASK, {"noise.actuation": 0.1}), 1), 0)
-    assert not life.muscle.any() and len(set(life.rest / before)) == life.rest.size
+    status, controller, plant = begin(ring(), NOISY, 1)
+    assert status == Status.OK and controller.brain.network.morphogens.size == 0
+    still, before = np.zeros(len(plant.position)), plant.state.rest.copy()
+    signals = noise(with_settings(TASK, {"noise.actuation": 0.1}), 1)
+    disturb.py_func(controller.brain, signals, 0)
+    actuate.py_func(plant.state, still, signals)
+    assert not still.any() and len(set(plant.state.rest / before)) == before.size
 
 
 def test_what_cannot_walk_says_so():

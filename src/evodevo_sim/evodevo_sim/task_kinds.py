@@ -28,8 +28,7 @@ class TaskKind:
     Attributes:
         name: as `--task` takes it; what: it asks for, in a few words.
         run(genome, task, seed, finer, track, traces) -> Evaluation: see `tasks.swim.fitness.run`.
-        begin(genome, task, seed) -> (status, mover, Life): an animat at its birth, for a life step by step.
-        live(mover, step, until, ...): the kernel that steps it, see `tasks.swim.kernel.live`.
+        begin(genome, task, seed) -> (status, brain.controller.Controller, plant.Plant): an animat at its birth, for a life step by step.
         audit(genome, task, seed, first, most_change, quick) -> Audit: whether a fitness stands, see `tasks.audit`; None: it has none yet.
         kernel: module.function of the kernel that takes longest to compile; audit_kernel: the same of what audits need beyond it.
         defaults: settings that differ from those of `Task`, as `with_settings` takes them.
@@ -43,7 +42,6 @@ class TaskKind:
     what: str
     run: Reference
     begin: Reference
-    live: Reference
     kernel: str
     audit: Reference | None = None
     audit_kernel: str = ""
@@ -61,7 +59,7 @@ class TaskKind:
             object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
 
     def function(self, name: str) -> Callable[..., Any]:
-        """One of run, begin, live and audit, imported where it is given by name."""
+        """One of run, begin and audit, imported where it is given by name."""
         given = getattr(self, name)
         if not isinstance(given, str):
             return given
@@ -108,12 +106,12 @@ def _load_plugins() -> None:
 
 register(TaskKind(
     "swim", "swim far, and on to the end",
-    run=f"{_HERE}.swim.fitness:run", begin=f"{_HERE}.swim.fitness:begin", live=f"{_HERE}.swim.kernel:live",
+    run=f"{_HERE}.swim.fitness:run", begin=f"{_HERE}.swim.fitness:begin",
     audit=f"{_HERE}.swim.audit:audit", kernel="kernel.swim", audit_kernel=_REPEAT, needed=_FLUID, needed_because=_NO_FLUID, scheme="niches",
 ))
 register(TaskKind(
     "walk", "walk far from where it came to rest",
-    run=f"{_HERE}.walk.fitness:run", begin=f"{_HERE}.walk.fitness:begin", live=f"{_HERE}.walk.kernel:live",
+    run=f"{_HERE}.walk.fitness:run", begin=f"{_HERE}.walk.fitness:begin",
     audit=f"{_HERE}.walk.audit:audit", kernel="kernel.walk",
     defaults={"scene.drag_normal": 0.0, "scene.drag_tangential": 0.0, "scene.gravity": 5.0, "scene.friction": 0.8},
     has_ground=True, unused={"noise.sensing": "which has no scent"},
@@ -121,7 +119,7 @@ register(TaskKind(
 ))
 register(TaskKind(
     "chemotaxis", "swim to targets on either side",
-    run=f"{_HERE}.chemotaxis.fitness:run", begin=f"{_HERE}.swim.fitness:begin", live=f"{_HERE}.swim.kernel:live",
+    run=f"{_HERE}.chemotaxis.fitness:run", begin=f"{_HERE}.swim.fitness:begin",
     audit=f"{_HERE}.chemotaxis.audit:audit", kernel="kernel.trials", audit_kernel=_REPEAT, has_target=True, needed=_FLUID, needed_because=_NO_FLUID,
     search={"scent_extent": 6.0, "scent_mutation": 0.25, "point_mutation": 0.015, "point_scale": 0.7},
 ))

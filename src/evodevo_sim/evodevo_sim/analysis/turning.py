@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..brain.life import think
+from ..brain.brain import think
 from ..brain.scent import scent_row
 from ..genetics.genome import Genome
 from ..live.animat import Animat
@@ -154,14 +154,14 @@ def memory_of(genome: Genome, task: Task, track, target) -> float:
 
 def actuation(genome: Genome, task: Task, tape) -> np.ndarray:
     """Muscles (T, N) of e - c that a genome's networks make of a tape of scents (T, N), whatever the body does."""
-    life = Animat(genome, task)._life
+    brain = Animat(genome, task).brain.brain
     arguments, continual = task.development.arguments(), task.development.variant == "continual_graph"
-    row = scent_row(life.units)
+    row = scent_row(brain.units)
     made = np.empty_like(tape)
     for step, scents in enumerate(tape):
-        life.table[row, : len(scents)] = scents
-        think(life, step, arguments, continual)
-        made[step] = life.muscle
+        brain.table[row, : len(scents)] = scents
+        think(brain, step, arguments, continual)
+        made[step] = brain.activation
     return made
 
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections import namedtuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ..genetics.genome import INPUTS, OUTPUTS
-from ..genetics.regulation import CONTRACTION, EXPANSION
 from ..kernels.jit import lean
-from ..physics.forces import set_rest_lengths
+from .brain import find_activation
 
 _SCENT = INPUTS - 1  # of the input signals: the last one, so that a scent of 0 changes no bit of the others' sum
 _PER_STEP = np.uint64(0x9E3779B97F4A7C15)
@@ -17,9 +16,13 @@ _A, _B = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
 _16, _27, _30, _31, _32, _48 = np.uint64(16), np.uint64(27), np.uint64(30), np.uint64(31), np.uint64(32), np.uint64(48)
 _LOW = np.uint64(0xFFFF)
 
-# target: (x, y) m, scent at the target, and m beyond which there is none, or empty where the scene has no target; noise:
-# standard deviations of sensing, concentrations and actuation, or empty; random: seed and state of the generator, uint64 (2,).
-Signals = namedtuple("Signals", "target noise random")
+
+class Signals(NamedTuple):
+    """What reaches a body from outside."""
+
+    target: np.ndarray  # (x, y) m, scent at the target, and m beyond which there is none; or empty where the scene has no target
+    noise: np.ndarray  # standard deviations of sensing, concentrations and actuation; or empty
+    random: np.ndarray  # uint64 (2,): seed and state of the generator
 
 
 def make_signals(target=None, peak: float = 0.0, reach: float = 1.0, noise=None, seed: int = 0) -> Signals:
@@ -43,10 +46,10 @@ def scent_row(units):
 
 
 @lean
-def sense(life, signals, step):
-    """Clamp every cell's scent input to the scent at its own place."""
-    target, row = signals.target, life.table[scent_row(life.units)]
-    x, y = life.position[0], life.position[1]
+def sense(brain, position, signals, step):
+    """Clamp every cell's scent input to the scent at its own place.  Args: position (2, N) m."""
+    target, row = signals.target, brain.table[scent_row(brain.units)]
+    x, y = position[0], position[1]
     for i in range(x.size):
         row[i] = scent(x[i] - target[0], y[i] - target[1], target[2], target[3])
     if signals.noise.size and signals.noise[0] > 0.0:
@@ -56,27 +59,17 @@ def sense(life, signals, step):
 
 
 @lean
-def disturb(life, signals, step):
-    """After a regulation step: noise on concentrations, which stay in [0, 1], and on the muscles' pull, which stays in [-1, 1].
-
-    `life.muscle` holds what the network asks for; the noise of actuation is in the rest lengths alone.
-    """
-    table, muscle, nodes, random = life.table, life.muscle, life.network.nodes, signals.random
-    cells = muscle.size
+def disturb(brain, signals, step):
+    """After a regulation step: noise on concentrations, which stay in [0, 1]; noise of actuation goes on with the same random numbers."""
+    random = signals.random
     begin(random, 2 * step + 1)
     if signals.noise[1] > 0.0:
+        table, nodes, cells = brain.table, brain.network.nodes, brain.activation.size
         for row in range(nodes.size):
             c = table[nodes[row]]
             for i in range(cells):
                 c[i] = min(max(c[i] + signals.noise[1] * normal(random), 0.0), 1.0)
-        for i in range(cells):
-            muscle[i] = table[life.units + EXPANSION, i] - table[life.units + CONTRACTION, i]
-    pull = life.scratch.k1[0]
-    for i in range(cells):
-        pull[i] = muscle[i]
-        if signals.noise[2] > 0.0:
-            pull[i] = min(max(pull[i] + signals.noise[2] * normal(random), -1.0), 1.0)
-    set_rest_lengths(life.body, pull, life.rest)
+        find_activation(brain)
 
 
 @lean

@@ -7,15 +7,12 @@ import threading
 import time
 from concurrent.futures import Future
 
-import numpy as np
-
-from ..brain.scent import make_signals, scent_row
 from ..genetics.genome import Genome
 from ..parameters import ParameterError, Task
+from ..plant import Outcome
 from ..tasks.outcome import FAILURE, STIFF, Status
 
-_NOT_KEPT = np.empty((0, 0))
-_NO_TRACK = np.empty((0, 0, 0))
+_LOOK = 50  # control steps between looks at whether all rests, as in evaluations
 _CATCH_UP = 0.1  # s behind its pace from which a stage no longer tries to catch up
 _ANSWER_WITHIN = 10.0  # s; a step of the largest body takes less
 
@@ -25,12 +22,12 @@ class NotViable(ValueError):
 
 
 class Animat:
-    """An animat that lives for as long as it is stepped.
+    """An animat that lives for as long as it is stepped: a brain that drives a plant.
 
     Args: genome, task, seed: as for `evaluate`, but that no number of control steps ends it.  Raises NotViable.
 
     Attributes:
-        body: see `body.Body`.
+        brain: see `brain.controller.Controller`; plant: see `plant.Plant`; body: see `body.Body`.
         position (N, 2) m, velocity (N, 2) m/s, activation (N,) of e - c: read-only views of the present state.
         steps: control steps lived; time: s of them.
         status: OK; RESTING, when nothing will ever change again; UNSTABLE or INVERTED, after which it stays as it is.
@@ -39,21 +36,18 @@ class Animat:
 
     def __init__(self, genome: Genome, task: Task = Task(), seed: int = 0):
         self.genome, self.task, self.seed = genome, task, seed
-        self._live = task.kind.function("live")
         self.target: tuple[float, float] | None = None
         self.reset()
 
     def reset(self) -> None:
         """Back to birth.  The target stays."""
-        status, self._mover, self._life = self.task.kind.function("begin")(self.genome, self.task, self.seed)
+        status, self.brain, self.plant = self.task.kind.function("begin")(self.genome, self.task, self.seed)
         self.status = Status(status)
         if self.status != Status.OK:
             raise NotViable(STIFF if self.status == Status.UNSTABLE else self.cause)
         self.steps = 0
-        self.body = self._life.body
-        self.position, self.velocity, self.activation = (
-            _read_only(array) for array in (self._life.position.T, self._life.velocity.T, self._life.muscle)
-        )
+        self.body = self.plant.body
+        self.position, self.velocity, self.activation = self.plant.position, self.plant.velocity, self.brain.activation
 
     @property
     def time(self) -> float:
@@ -67,28 +61,13 @@ class Animat:
     def step(self) -> None:
         """Live for one control step: one regulation step, then the body's."""
         if self.status == Status.OK:
-            task = self.task
-            status, _ = self._live(
-                self._mover, self.steps, self.steps + 1, task.control_step, task.development.arguments(),
-                task.development.variant == "continual_graph", self._signals(), _NOT_KEPT, _NO_TRACK, _NOT_KEPT,
-            )
-            rests = status == Status.RESTING and not task.has_target  # a target may come and wake it
-            self.status = Status.OK if status == Status.RESTING and not rests else Status(status)
+            activation = self.brain.step(self.position, self.target if self.task.has_target else None)
+            outcome = self.plant.move(activation, self.task.control_step)
+            if outcome != Outcome.SOUND:
+                self.status = Status.INVERTED if outcome == Outcome.INVERTED else Status.UNSTABLE
+            elif not self.task.has_target and (self.steps + 1) % _LOOK == 0 and self.brain.rests() and self.plant.rests():
+                self.status = Status.RESTING  # where there are targets, one may come and wake it
         self.steps += 1
-
-    def _signals(self):
-        """What `live` takes besides: scent and noise."""
-        task, target = self.task, self.target if self.task.has_target else None
-        if task.has_target and target is None:
-            self._life.table[scent_row(self._life.units)] = 0.0
-        scent = task.chemotaxis
-        return make_signals(target, scent.scent_peak, scent.scent_reach, task.noise.arguments(), self.seed)
-
-
-def _read_only(array):
-    view = array.view()
-    view.flags.writeable = False
-    return view
 
 
 class Stage:

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..brain.life import develop
 from ..development.body import build_body
 from ..genetics.genome import Genome, random_genome
 from ..kernels.jit import is_compiled, remove_old_caches
 from ..parameters import Task
+from .life import develop
 from .outcome import Evaluation, Metrics, Status, failure
 from .swim.fitness import kernel_arguments
 
@@ -67,14 +67,14 @@ def invalid(cause: str) -> Evaluation:
 
 def perform(genome: Genome, task: Task = Task(), seed: int = 0, finer: float = 1) -> Performance:
     """Evaluate a genome with everything kept, to record, draw or analyse.  Args: finer: times as many substeps, rounded up."""
-    arguments = kernel_arguments(genome, task)
+    genes, model = kernel_arguments(genome, task)
     development = task.development
     shape = (development.steps + 1, development.max_cells)
     growth, growth_activation = np.full((*shape, 2), np.nan), np.full(shape, np.nan)
     limit = development.max_cells
-    most_edges = 3 * limit + 1 if arguments[3] else max(3 * limit, limit * (limit - 1) // 2) + 1
+    most_edges = 3 * limit + 1 if model.continual else max(3 * limit, limit * (limit - 1) // 2) + 1
     graphs = np.full((development.steps + 1, most_edges, 2), -1)
-    _, _, embryo = develop(arguments[0], arguments[2], arguments[3], arguments[6], growth, growth_activation, graphs)
+    _, _, embryo = develop(genes, model, growth, growth_activation, graphs)
     cells = embryo.position.shape[0]
     body = None
     if cells > 1:

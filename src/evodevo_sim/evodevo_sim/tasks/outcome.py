@@ -6,20 +6,21 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 from ..physics.rates import MOST_SUBSTEPS
+from . import ends
 
 
 class Status(IntEnum):
     """How an evaluation ended; the same numbers as in `evodevo_msgs/Evaluation`."""
 
-    OK = 0
-    NO_GROWTH = 1
-    NO_CHAMBER = 2
-    RESTING = 3
-    UNSTABLE = 4
-    INVERTED = 5
-    INVALID_GENOME = 6
-    UNSETTLED = 7
-    NO_ROOM = 8
+    OK = ends.OK
+    NO_GROWTH = ends.NO_GROWTH
+    NO_CHAMBER = ends.NO_CHAMBER
+    RESTING = ends.RESTING
+    UNSTABLE = ends.UNSTABLE
+    INVERTED = ends.INVERTED
+    INVALID_GENOME = ends.INVALID_GENOME
+    UNSETTLED = ends.UNSETTLED
+    NO_ROOM = ends.NO_ROOM
 
 
 STIFF = f"the body needs more than {MOST_SUBSTEPS} physics steps in a control step: lower stiffness, damping or pressure, or raise mass"

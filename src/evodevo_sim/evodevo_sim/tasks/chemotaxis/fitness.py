@@ -9,7 +9,7 @@ from ...genetics.genome import Genome
 from ...parameters import Task
 from ..outcome import FAILURE, STIFF, Evaluation, Metrics, Status, Steering, failure
 from ..swim.fitness import kernel_arguments, slowest_progress
-from .kernel import SAMPLES, Trials, earns, nearing, trials
+from .kernel import SAMPLES, Tests, Trials, earns, nearing, trials
 
 LEFT, RIGHT = range(2)
 _NOT_KEPT = np.empty((0, 0, 0)), np.empty((0, 0))
@@ -32,10 +32,11 @@ def attempt(
     genome: Genome, task: Task, seed: int, placed, shown: int = LEFT, finer: int = 1, track=_NOT_KEPT[0], traces=_NOT_KEPT[1],
     every: bool = True,
 ) -> Trials:
-    """All swims of a genome.  Args: placed (K, 2), every, shown, track, traces: see `chemotaxis.trials`."""
+    """All swims of a genome.  Args: placed (K, 2), every, shown: see `Tests`; track, traces: see `life.Kept`."""
     signals = make_signals(noise=task.noise.arguments(), seed=seed)
     placed = np.ascontiguousarray(placed, float).reshape(-1, 2)
-    return trials(*kernel_arguments(genome, task), finer, task.chemotaxis.arguments(), placed, signals, every, shown, track, traces)
+    tests = Tests(task.chemotaxis.arguments(), placed, every, shown)
+    return trials(*kernel_arguments(genome, task), finer, tests, signals, track, traces)
 
 
 def late(path) -> np.ndarray:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...brain.life import OK
 from ...genetics.genome import Genome
 from ...parameters import Task
 from ...physics.control_step import SOUND
 from ..audit import Audit, held, ways_of
+from ..ends import OK
 from ..evaluation import Evaluation, Performance, perform
 from ..repetition import Run, Way, repeat_motion
 from .fitness import score

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...brain.life import birth
+from ...brain.controller import Controller
 from ...brain.scent import make_signals
 from ...genetics.genome import INPUT_NAMES, Genome
 from ...parameters import Task
+from ...plant.simulated import SwimmingBody
+from ..life import Model, birth
 from ..outcome import FAILURE, STIFF, Evaluation, Metrics, Status, failure
 from .kernel import swim
 
@@ -17,19 +19,20 @@ def given_inputs(task: Task) -> np.ndarray:
     return np.array([name != "scent" or task.has_target for name in INPUT_NAMES])
 
 
-def kernel_arguments(genome: Genome, task: Task):
-    continual = task.development.variant == "continual_graph"
-    return (
-        genome.arrays(), task.arguments(), task.development.arguments(), continual, task.material.arguments(),
+def kernel_arguments(genome: Genome, task: Task) -> tuple:
+    """(genome, Model) as kernels take them."""
+    model = Model(
+        task.arguments(), task.development.arguments(), task.development.variant == "continual_graph", task.material.arguments(),
         task.scene.arguments(), given_inputs(task),
     )
+    return genome.arrays(), model
 
 
-def begin(genome: Genome, task: Task, seed: int):
-    """A swimmer at its birth, at rest: (status, what `live` moves, Life); nothing of it is drawn from the seed."""
-    genome_arrays, arguments, *others = kernel_arguments(genome, task)
-    status, life = birth(genome_arrays, *others, arguments.control_step, 1)
-    return status, life, life
+def begin(genome: Genome, task: Task, seed: int) -> tuple[int, Controller, SwimmingBody]:
+    """A swimmer at its birth, at rest: (status, brain, plant).  Args: seed: of noise."""
+    status, life = birth(*kernel_arguments(genome, task), 1.0)
+    controller = Controller(life.brain, task, seed)
+    return status, controller, SwimmingBody(life.state, controller.signals)
 
 
 def run(genome: Genome, task: Task, seed: int, finer: int, track, traces) -> Evaluation:

@@ -6,96 +6,83 @@ lengths nor one fold of a tail carries it; what pays is motion that lasts to the
 
 from __future__ import annotations
 
-from collections import namedtuple
+from typing import NamedTuple
 
 import numpy as np
 
-from ...brain.life import (
-    INVERTED_CHAMBER,
-    OK,
-    RESTING,
-    UNSTABLE_PHYSICS,
-    activity,
-    birth,
-    forget,
-    keep,
-    rests,
-    think,
-    widen,
-)
-from ...brain.scent import disturb, sense
-from ...development.growth import REST
-from ...genetics.regulation import unrest
+from ...brain.controller import Rules, brain_rests, brain_step
 from ...kernels.jit import kernel, lean
-from ...physics.control_step import INVERTED, SOUND, advance
+from ...physics.control_step import SOUND
 from ...physics.mass import centre_of_mass
-from ...physics.rates import find_drag_rate, substeps_at_rate
+from ...physics.rates import find_drag_rate
+from ...plant.simulated import actuate, move, rests
+from ..ends import INVERTED, OK, RESTING, UNSTABLE, end_of
+from ..life import Kept, activity, birth, forget, keep, widen
 
-_LOOK = 50  # control steps between looks at whether all rests
+LOOK = 50  # control steps between looks at whether all rests
 
-# failed_step: control step at which physics failed, -1 for none; path (windows + 1, 2): the centre of mass at the ends of the
-# windows; amplitude: half of max - min of e - c in a window, mean over cells, in the window where it is least; active: the
-# share of the most cells that a body may have whose muscles work, one of less than full activity counted in part, likewise
-Swim = namedtuple("Swim", "status failed_step path amplitude active substeps cells springs chambers")
+
+class Swim(NamedTuple):
+    """What a swim came to."""
+
+    status: int
+    failed_step: int  # control step at which physics failed, -1 for none
+    path: np.ndarray  # (windows + 1, 2) m: the centre of mass at the ends of the windows
+    amplitude: float  # half of max - min of e - c in a window, mean over cells, in the window where it is least
+    active: float  # share of the most cells that a body may have whose muscles work, one of less than full activity in part, likewise
+    substeps: int
+    cells: int
+    springs: int
+    chambers: int
 
 
 @lean
-def live(life, step, until, seconds, development, continual, signals, range_of_muscle, track, traces):
+def live(life, step, until, rules, kept):
     """Live from one control step to another, in place: each is one regulation step, then the body for as many seconds.
 
-    Args: signals: see `scent.Signals`; range_of_muscle (2, N): least and most e - c, widened, or empty; track and traces as for
-        `swim`.
+    Args: kept: see `life.Kept`; its muscles are widened.
 
-    Returns: (status, step reached): OK; RESTING, seen now and then: nothing will ever change again; or UNSTABLE_PHYSICS or
-    INVERTED_CHAMBER in that step.
+    Returns: (status, step reached): OK; RESTING, seen now and then: nothing will ever change again; or UNSTABLE or INVERTED in
+    that step.
     """
-    body, law, network, table, drive = life.body, life.law, life.network, life.table, life.drive
-    muscle, rest, position, velocity, scratch = life.muscle, life.rest, life.position, life.velocity, life.scratch
-    cells = muscle.size
-    find_drag_rate(body, law, position, velocity, scratch)
+    brain, state = life.brain, life.state
+    find_drag_rate(state.body, state.law, state.position, state.velocity, state.scratch)
     while step < until:
-        if track.size:
-            keep(life, track[step], traces[step])
-        if signals.target.size:
-            sense(life, signals, step)
-        think(life, step, development, continual)
-        if signals.noise.size:
-            disturb(life, signals, step)
-        substeps = int(np.ceil(life.finer * substeps_at_rate(seconds, life.substeps, scratch)))
-        outcome = advance(body, law, rest, position, velocity, seconds, substeps, scratch)
+        if kept.track.size:
+            keep(life, kept.track[step], kept.traces[step])
+        brain_step(brain, state.position, rules, step)
+        actuate(state, brain.activation, rules.signals)
+        outcome = move(state, rules.control_step)
         if outcome != SOUND:
-            return (INVERTED_CHAMBER if outcome == INVERTED else UNSTABLE_PHYSICS), step
+            return end_of(outcome), step
         step += 1
-        if range_of_muscle.size:
-            widen(range_of_muscle, muscle)
-        if continual and step % _LOOK == 0 and not signals.noise.size and unrest(network, table, drive, cells) < REST:
-            if rests(body, law, rest, position, velocity, scratch):
-                return RESTING, step
+        if kept.muscles.size:
+            widen(kept.muscles, brain.activation)
+        if step % LOOK == 0 and brain_rests(brain, rules) and rests(state):
+            return RESTING, step
     return OK, step
 
 
 @lean
-def course(life, task, most_cells, development, continual, signals, path, range_of_muscle, track, traces):
+def course(life, model, rules, path, kept):
     """Live through all windows, in place.
 
-    Args: path (S + 1, 2): filled with the centre of mass; range_of_muscle (2, N): scratch; track, traces: see `swim`.
+    Args: path (S + 1, 2): filled with the centre of mass; kept: see `life.Kept`.
 
     Returns: (status, control step reached, amplitude, active), see `Swim`.
     """
+    task, position, inverse_mass = model.task, life.state.position, life.state.body.inverse_mass
     samples = (path.shape[0] - 1) // task.windows
     length = task.control_steps // task.windows
-    inverse_mass = life.body.inverse_mass
     amplitude, active = 2.0, 1.0
     status, step = OK, 0
-    path[0, 0], path[0, 1] = centre_of_mass(life.position, inverse_mass)
+    path[0, 0], path[0, 1] = centre_of_mass(position, inverse_mass)
     for window in range(task.windows):
-        forget(range_of_muscle)
+        forget(kept.muscles)
         for k in range(samples):
             until = window * length + length * (k + 1) // samples
-            status, step = live(
-                life, step, until, task.control_step, development, continual, signals, range_of_muscle, track, traces
-            )
-            x, y = centre_of_mass(life.position, inverse_mass)
+            status, step = live(life, step, until, rules, kept)
+            x, y = centre_of_mass(position, inverse_mass)
             last = window * samples + k + 2 if status == OK else path.shape[0]
             for row in range(window * samples + k + 1, last):
                 path[row, 0], path[row, 1] = x, y
@@ -104,36 +91,32 @@ def course(life, task, most_cells, development, continual, signals, path, range_
         if status != OK:
             amplitude, active = 0.0, 0.0
             break
-        mean, working = activity(range_of_muscle, task.full_activity)
+        mean, working = activity(kept.muscles, task.full_activity)
         amplitude = min(amplitude, mean)
-        active = min(active, working / most_cells)
-    if track.size:
+        active = min(active, working / model.development.max_cells)
+    if kept.track.size:
         for later in range(step, task.control_steps + 1):
-            keep(life, track[later], traces[later])
+            keep(life, kept.track[later], kept.traces[later])
     return status, step, amplitude, active
 
 
 @kernel
-def swim(genome, task, development, continual, material, scene, given_inputs, finer, signals, track, traces):
+def swim(genome, model, finer, signals, track, traces):
     """Evaluate a genome: growth and the whole swim in one call.
 
-    Args:
-        genome: (kind, sign, x, y); finer: see `birth`; signals: see `scent.Signals`; the others: arguments of the parameter
-            classes.
-        track: (control_steps + 1, max_cells, 4) for x, y, vx, vy of every cell, or empty; traces: the same of e - c.
+    Args: genome: (kind, sign, x, y); model: see `life.Model`; finer: see `birth`; signals: see `scent.Signals`; track and traces: see `life.Kept`.
 
     Returns: Swim.
     """
-    path = np.zeros((task.windows + 1, 2))
-    status, life = birth(genome, development, continual, material, scene, given_inputs, task.control_step, finer)
-    body = life.body
-    cells, springs = life.muscle.size, body.rest_length.size
+    path = np.zeros((model.task.windows + 1, 2))
+    status, life = birth(genome, model, finer)
+    body = life.state.body
+    cells, springs = life.brain.activation.size, body.rest_length.size
     chambers = body.triangle_area.size + body.polygon_area.size
     if status != OK:
         return Swim(status, -1, path, 0.0, 0.0, 0, cells, springs, chambers)
 
-    status, step, amplitude, active = course(
-        life, task, development.max_cells, development, continual, signals, path, np.empty((2, cells)), track, traces
-    )
-    failed_step = step if status == UNSTABLE_PHYSICS or status == INVERTED_CHAMBER else -1
-    return Swim(status, failed_step, path, amplitude, active, life.substeps, cells, springs, chambers)
+    rules = Rules(model.task.control_step, model.development, model.continual, signals)
+    status, step, amplitude, active = course(life, model, rules, path, Kept(np.empty((2, cells)), track, traces))
+    failed_step = step if status == UNSTABLE or status == INVERTED else -1
+    return Swim(status, failed_step, path, amplitude, active, life.state.substeps, cells, springs, chambers)

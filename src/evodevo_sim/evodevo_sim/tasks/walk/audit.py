@@ -40,7 +40,7 @@ def trial(genome: Genome, task: Task, directions, finer: int = 1, seed: int = 0)
     cells = task.development.max_cells
     track, traces = np.full((task.control_steps + 1, cells, 4), np.nan), np.full((task.control_steps + 1, cells), np.nan)
     arguments = kernel_arguments(genome, task)
-    result = walk(*arguments, directions, finer, noise(task, seed), track, traces, ledger)
+    result = walk(*arguments, directions, finer, noise(task, seed), (track, traces), ledger)
     return result, start_fitness(result, task), ledger, track[:, : result.cells, :2]
 
 

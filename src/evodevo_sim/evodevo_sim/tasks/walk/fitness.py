@@ -6,24 +6,23 @@ import math
 
 import numpy as np
 
+from ...brain.controller import Controller
 from ...brain.scent import make_signals
 from ...genetics.genome import Genome
 from ...parameters import Task
 from ...physics.terrain import make_terrain
+from ...plant.grounded import WalkingBody
+from ..ends import OK
 from ..outcome import FAILURE, Evaluation, Metrics, Status, failure
-from ..swim.fitness import given_inputs
-from .kernel import OK, come_to_rest, hatch, lay_down, live, walk
+from ..swim.fitness import kernel_arguments as swim_arguments
+from .kernel import come_to_rest, hatch, lay_down, walk
 
 NOT_KEPT = np.empty((0, 0, 0)), np.empty((0, 0))
-__all__ = ["begin", "fitness_by_start", "headings", "kernel_arguments", "live", "progress", "run", "score", "start_fitness"]
 
 
-def kernel_arguments(genome: Genome, task: Task):
-    continual = task.development.variant == "continual_graph"
-    return (
-        genome.arrays(), task.arguments(), task.development.arguments(), continual, task.material.arguments(),
-        task.scene.arguments(), make_terrain(task.scene), given_inputs(task),
-    )
+def kernel_arguments(genome: Genome, task: Task) -> tuple:
+    """(genome, Model, Terrain) as `walk` takes them."""
+    return *swim_arguments(genome, task), make_terrain(task.scene)
 
 
 def headings(seed, starts: int) -> np.ndarray:
@@ -41,7 +40,7 @@ def headings(seed, starts: int) -> np.ndarray:
 def run(genome: Genome, task: Task, seed: int, finer: int, track, traces) -> Evaluation:
     """Evaluate a walker.  Args: seed: of its orientations at birth, and of noise; finer, track, traces: see `walk.walk`."""
     given, ledger = kernel_arguments(genome, task), np.zeros((task.starts, 0))
-    return score(walk(*given, headings(seed, task.starts), finer, noise(task, seed), track, traces, ledger), task)
+    return score(walk(*given, headings(seed, task.starts), finer, noise(task, seed), (track, traces), ledger), task)
 
 
 def noise(task: Task, seed: int = 0):
@@ -49,15 +48,15 @@ def noise(task: Task, seed: int = 0):
     return make_signals(noise=task.noise.arguments(), seed=seed)
 
 
-def begin(genome: Genome, task: Task, seed: int):
-    """A walker at rest on the ground, as in the first start of an evaluation: (status, Walker, Life)."""
-    genome, given, *others = kernel_arguments(genome, task)
-    status, walker = hatch(genome, *others, given.control_step, 1, np.zeros(0))
+def begin(genome: Genome, task: Task, seed: int) -> tuple[int, Controller, WalkingBody]:
+    """A walker at rest on the ground, as in the first start of an evaluation: (status, brain, plant)."""
+    status, walker = hatch(*kernel_arguments(genome, task), 1.0, np.zeros(0))
     if status == OK:
-        status = lay_down(walker, headings(seed, 1)[0])
+        status = lay_down(walker.grounded, headings(seed, 1)[0])
     if status == OK:
-        status, _ = come_to_rest(walker, given)
-    return status, walker, walker.life
+        status, _ = come_to_rest(walker.grounded, task.arguments())
+    controller = Controller(walker.life.brain, task, seed)
+    return status, controller, WalkingBody(walker.grounded, controller.signals)
 
 
 def progress(path, task: Task):
@@ -85,7 +84,7 @@ def worse_half(earned) -> float:
 
 def fitness_by_start(genome: Genome, task: Task, directions) -> np.ndarray:
     """(S,) m: what a walker earns from each of these orientations (S, 2); nothing where it fails."""
-    result = walk(*kernel_arguments(genome, task), directions, 1, noise(task), *NOT_KEPT, np.zeros((len(directions), 0)))
+    result = walk(*kernel_arguments(genome, task), directions, 1, noise(task), NOT_KEPT, np.zeros((len(directions), 0)))
     return start_fitness(result, task)
 
 

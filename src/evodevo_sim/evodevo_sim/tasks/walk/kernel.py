@@ -6,141 +6,95 @@ network wake.  Motion is symplectic Euler with exact contact (`integrators.euler
 
 from __future__ import annotations
 
-from collections import namedtuple
+from typing import NamedTuple
 
 import numpy as np
 
-from ...brain.life import (
-    INVERTED_CHAMBER,
-    OK,
-    RESTING,
-    UNSTABLE_PHYSICS,
-    activity,
-    birth,
-    forget,
-    keep,
-    think,
-    widen,
-)
-from ...brain.scent import Signals, disturb
-from ...development.growth import REST
-from ...genetics.regulation import unrest
+from ...brain.controller import Rules, brain_rests, brain_step
+from ...brain.scent import Signals
 from ...kernels.jit import kernel, lean
-from ...physics.control_step import INVERTED, MOST_DOUBLINGS, SOUND, copy_state, judge
+from ...physics.control_step import SOUND
 from ...physics.energy import stored_energy
-from ...physics.integrators import System, Work, euler
 from ...physics.mass import centre_of_mass
-from ...physics.stability import EULER, bounds, longest_step
 from ...physics.terrain import clearance
+from ...plant.grounded import GroundedState, fastest, lies_still, make_grounded_state, move
+from ...plant.simulated import actuate
+from ..ends import INVERTED, NO_ROOM, OK, RESTING, UNSETTLED, UNSTABLE, end_of
+from ..life import Kept, Life, activity, birth, forget, keep, widen
+from ..swim.kernel import LOOK
 
-UNSETTLED, NO_ROOM = 7, 8
-ACCURATE_EULER = 1.6  # h * (bound of the highest frequency)
-LEAST_STEPS = 4  # in a control step, for contact
-_SAFETY = 0.8  # of the stability limit, where damping sets it
 _QUIET = 15  # control steps in a row that count as rest
 _TOUCH = 1e-6  # m above the ground, that still counts as contact
-_STILL = 1e-7  # m/s below which nothing moves any more
-_LOOK = 50  # control steps between looks at whether all rests
 
-# life: see `life.Life`; system, work: see `integrators`; steps: of physics in a control step; born (2, N): place of the cells
-# before they are turned and laid down; ledger: see `energy`, or empty
-Walker = namedtuple("Walker", "life system work steps born ledger")
-# By start, (S,) each: status; failed_step, -1 for none; path (S, windows + 1): x of the centre of mass at the ends of the
-# windows; amplitude, active: see `swim.Swim`; settling: control steps until rest; gain: of stored energy while it walked, J, if
-# there is a ledger.  steps: of physics in a control step.
-Walk = namedtuple("Walk", "status failed_step path amplitude active settling gain steps cells springs chambers")
+
+class Walker(NamedTuple):
+    """A living animat on the ground."""
+
+    life: Life
+    grounded: GroundedState
+
+
+class Walk(NamedTuple):
+    """What the walks from all starts came to, (S,) each unless said otherwise."""
+
+    status: np.ndarray
+    failed_step: np.ndarray  # -1 for none
+    path: np.ndarray  # (S, windows + 1) m: x of the centre of mass at the ends of the windows
+    amplitude: np.ndarray  # see `swim.Swim`
+    active: np.ndarray
+    settling: np.ndarray  # control steps until rest
+    gain: np.ndarray  # J, of stored energy while it walked, if there is a ledger
+    steps: int  # of physics in a control step
+    cells: int
+    springs: int
+    chambers: int
 
 
 @kernel
-def choose_walk_steps(system, control_step):
-    """Steps of physics in a control step: numbers of accuracy, and of stability where damping is strong."""
-    frequency, damping = bounds(system)
-    need = max(control_step * frequency / ACCURATE_EULER, control_step / (_SAFETY * longest_step(EULER, frequency, damping)))
-    return max(LEAST_STEPS, int(np.ceil(need)))
-
-
-@kernel
-def hatch(genome, development, continual, material, scene, terrain, given_inputs, control_step, finer, ledger):
-    """Grow a genome.  Args: finer: times as many steps as are chosen.  Returns: (OK, NO_GROWTH or NO_CHAMBER; Walker)."""
-    status, life = birth(genome, development, continual, material, scene, given_inputs, control_step, 1)
-    none, cells = np.empty(0), life.muscle.size
-    system = System(
-        life.body, life.law, scene.gravity, scene.friction, True, terrain, none, none, none, life.muscle, life.rest
-    )
-    work = Work(life.scratch, np.empty((0, 2, cells)), np.empty((1, 2, cells)), np.zeros(4))
-    steps = int(np.ceil(finer * choose_walk_steps(system, control_step))) if status == OK else 0
-    return status, Walker(life, system, work, steps, life.position.copy(), ledger)
+def hatch(genome, model, terrain, finer, ledger):
+    """Grow a genome, to be laid on the ground.  Args: see `walk`; ledger: see `GroundedState`.  Returns: (status of `birth`, Walker)."""
+    status, life = birth(genome, model, 1.0)
+    grounded = make_grounded_state(life.state, model.scene, terrain, model.task.control_step, finer, status == OK, ledger)
+    return status, Walker(life, grounded)
 
 
 @lean
-def lay_down(walker, heading):
+def lay_down(grounded, heading):
     """Turn the newborn body and put it on the ground, by a cell or an edge, its centre at x = 0.
 
     Args: heading (2,): where its x axis goes.  Returns: OK, or NO_ROOM where it meets the ceiling.
     """
-    born, position, velocity = walker.born, walker.life.position, walker.life.velocity
-    cx, cy = centre_of_mass(born, walker.life.body.inverse_mass)
+    state, terrain = grounded.state, grounded.system.terrain
+    born, position, velocity = grounded.born, state.position, state.velocity
+    cx, cy = centre_of_mass(born, state.body.inverse_mass)
     for i in range(born.shape[1]):
         x, y = born[0, i] - cx, born[1, i] - cy
         position[0, i] = heading[0] * x - heading[1] * y
         position[1, i] = heading[1] * x + heading[0] * y
         velocity[0, i] = velocity[1, i] = 0.0
-    outline = walker.life.body.outline
-    low, _ = clearance(walker.system.terrain, outline, position[0], position[1])
+    outline = state.body.outline
+    low, _ = clearance(terrain, outline, position[0], position[1])
     for i in range(born.shape[1]):
         position[1, i] -= low
-    _, high = clearance(walker.system.terrain, outline, position[0], position[1])
+    _, high = clearance(terrain, outline, position[0], position[1])
     return OK if high > 0.0 else NO_ROOM
 
 
 @lean
-def move(walker, seconds):
-    """Carry the body over one control step; where that is not sound, again with twice the steps, at most three times."""
-    life, system, work, ledger = walker.life, walker.system, walker.work, walker.ledger
-    position, velocity, scratch = life.position, life.velocity, life.scratch
-    copy_state(position, velocity, scratch.start_position, scratch.start_velocity)
-    for k in range(ledger.size):
-        work.power[k] = ledger[k]
-    outcome = SOUND
-    for doubling in range(MOST_DOUBLINGS + 1):
-        if doubling:
-            copy_state(scratch.start_position, scratch.start_velocity, position, velocity)
-            for k in range(ledger.size):
-                ledger[k] = work.power[k]
-        steps = walker.steps << doubling
-        h = seconds / steps
-        for _ in range(steps):
-            euler(system, 0.0, h, position, velocity, work, ledger)
-        outcome = judge(life.body, position, velocity, h, scratch)
-        if outcome == SOUND:
-            break
-    return outcome
-
-
-@lean
-def _fastest(velocity):
-    """The square of the largest speed of any cell."""
-    most = 0.0
-    for i in range(velocity.shape[1]):
-        most = max(most, velocity[0, i] * velocity[0, i] + velocity[1, i] * velocity[1, i])
-    return most
-
-
-@lean
-def come_to_rest(walker, task):
+def come_to_rest(grounded, task):
     """Let the body fall with its muscles held, in a thin fluid, until no cell has moved for a while and one is on the ground.
 
     Returns: (OK, UNSETTLED or a failure of physics; control steps taken).
     """
-    position, velocity, quiet = walker.life.position, walker.life.velocity, 0
+    position, velocity, quiet = grounded.state.position, grounded.state.velocity, 0
     slower = max(0.0, 1.0 - task.settling_drag * task.control_step)
     for step in range(task.settling_limit):
-        outcome = move(walker, task.control_step)
+        outcome = move(grounded, task.control_step)
         if outcome != SOUND:
-            return (INVERTED_CHAMBER if outcome == INVERTED else UNSTABLE_PHYSICS), step
-        quiet = quiet + 1 if _fastest(velocity) <= task.settled_speed * task.settled_speed else 0
+            return end_of(outcome), step
+        quiet = quiet + 1 if fastest(velocity) <= task.settled_speed * task.settled_speed else 0
         if quiet >= _QUIET:
-            low, _ = clearance(walker.system.terrain, walker.life.body.outline, position[0], position[1])
+            low, _ = clearance(grounded.system.terrain, grounded.state.body.outline, position[0], position[1])
             if low <= _TOUCH:
                 return OK, step + 1
         for i in range(velocity.shape[1]):
@@ -150,112 +104,105 @@ def come_to_rest(walker, task):
 
 
 @lean
-def live(walker, step, until, seconds, development, continual, signals, range_of_muscle, track, traces):
+def live(walker, step, until, rules, kept):
     """Live from one control step to another, in place.  Args and result: as for `swim.live`; there is no scent."""
-    life, ledger = walker.life, walker.ledger
-    body, muscle, position, velocity = life.body, life.muscle, life.position, life.velocity
-    gravity, half = walker.system.gravity, 0.5 * seconds / walker.steps
+    life, grounded = walker.life, walker.grounded
+    brain, state, ledger = life.brain, life.state, grounded.ledger
+    body, position, velocity = state.body, state.position, state.velocity
+    gravity, half = grounded.system.gravity, 0.5 * rules.control_step / grounded.steps
     while step < until:
-        if track.size:
-            keep(life, track[step], traces[step])
+        if kept.track.size:
+            keep(life, kept.track[step], kept.traces[step])
         # Muscles do their work at once, half a step ago: the velocities are those of then.
         if ledger.size:
-            then = life.scratch.position
-            for i in range(muscle.size):
+            then = state.scratch.position
+            for i in range(brain.activation.size):
                 then[0, i] = position[0, i] - half * velocity[0, i]
                 then[1, i] = position[1, i] - half * velocity[1, i]
-            ledger[0] -= stored_energy(body, life.law, life.rest, gravity, then, velocity)[1]
-        think(life, step, development, continual)
-        if signals.noise.size:
-            disturb(life, signals, step)
+            ledger[0] -= stored_energy(body, state.law, state.rest, gravity, then, velocity)[1]
+        brain_step(brain, position, rules, step)
+        actuate(state, brain.activation, rules.signals)
         if ledger.size:
-            ledger[0] += stored_energy(body, life.law, life.rest, gravity, life.scratch.position, velocity)[1]
-        outcome = move(walker, seconds)
+            ledger[0] += stored_energy(body, state.law, state.rest, gravity, state.scratch.position, velocity)[1]
+        outcome = move(grounded, rules.control_step)
         if outcome != SOUND:
-            return (INVERTED_CHAMBER if outcome == INVERTED else UNSTABLE_PHYSICS), step
+            return end_of(outcome), step
         step += 1
-        if range_of_muscle.size:
-            widen(range_of_muscle, muscle)
-        if continual and step % _LOOK == 0 and not signals.noise.size and unrest(life.network, life.table, life.drive, muscle.size) < REST:
-            if _fastest(velocity) < _STILL * _STILL:
-                return RESTING, step
+        if kept.muscles.size:
+            widen(kept.muscles, brain.activation)
+        if step % LOOK == 0 and brain_rests(brain, rules) and lies_still(grounded):
+            return RESTING, step
     return OK, step
 
 
 @kernel
-def _total(walker):
-    life = walker.life
-    parts = stored_energy(life.body, life.law, life.rest, walker.system.gravity, life.position, life.velocity)
+def _total(grounded):
+    state = grounded.state
+    parts = stored_energy(state.body, state.law, state.rest, grounded.system.gravity, state.position, state.velocity)
     return parts[0] + parts[1] + parts[2] + parts[3]
 
 
 @kernel
-def _walk_windows(walker, task, development, continual, signals, path, track, traces):
+def _walk_windows(walker, model, rules, path, kept):
     """Locomotion.  Fills path.  Returns: (status, step reached, amplitude, active)."""
-    life = walker.life
-    cells, length = life.muscle.size, task.control_steps // task.windows
-    range_of_muscle = np.empty((2, cells))
+    task, state = model.task, walker.life.state
+    length = task.control_steps // task.windows
     amplitude, active, status, step = 2.0, 1.0, OK, 0
-    path[:] = centre_of_mass(life.position, life.body.inverse_mass)[0]
+    path[:] = centre_of_mass(state.position, state.body.inverse_mass)[0]
     for window in range(task.windows):
-        forget(range_of_muscle)
-        status, step = live(
-            walker, step, step + length, task.control_step, development, continual, signals, range_of_muscle, track, traces
-        )
-        path[window + 1 :] = centre_of_mass(life.position, life.body.inverse_mass)[0]
+        forget(kept.muscles)
+        status, step = live(walker, step, step + length, rules, kept)
+        path[window + 1 :] = centre_of_mass(state.position, state.body.inverse_mass)[0]
         if status != OK:
             return status, step, 0.0, 0.0
-        mean, working = activity(range_of_muscle, task.full_activity)
+        mean, working = activity(kept.muscles, task.full_activity)
         amplitude = min(amplitude, mean)
-        active = min(active, working / development.max_cells)
+        active = min(active, working / model.development.max_cells)
     return status, step, amplitude, active
 
 
 @kernel
-def walk(
-    genome, task, development, continual, material, scene, terrain, given_inputs, headings, finer, signals, track, traces, ledger
-):
+def walk(genome, model, terrain, headings, finer, signals, shown, ledger):
     """Evaluate a genome: growth once, then a fall, rest and walk from each start, in one call.
 
     Args:
-        genome to given_inputs: as for `swim.swim`; terrain: see `terrain.Terrain`.
+        genome, model: as for `swim.swim`; terrain: see `terrain.Terrain`.
         headings (S, 2): unit vectors, the orientations at birth; finer: times as many steps of physics; signals: noise, and its
             seed in the first start.
-        track, traces: as for `swim.swim`, of the first start; ledger: (S, 4), added to while it walks, or (S, 0).
+        shown: (track, traces), see `life.Kept`, of the first start; ledger: (S, 4), added to while it walks, or (S, 0).
 
     Returns: Walk.
     """
-    starts = headings.shape[0]
+    starts, task, track, traces = headings.shape[0], model.task, shown[0], shown[1]
     status, failed, settling = np.zeros(starts, np.int64), np.full(starts, -1), np.zeros(starts, np.int64)
     path, amplitude, active, gain = np.zeros((starts, task.windows + 1)), np.zeros(starts), np.zeros(starts), np.zeros(starts)
-    grown, first = hatch(
-        genome, development, continual, material, scene, terrain, given_inputs, task.control_step, finer, ledger[0]
-    )
-    life = first.life
-    cells, springs = life.muscle.size, life.body.rest_length.size
-    chambers = life.body.triangle_area.size + life.body.polygon_area.size
-    table, past, muscle, rest = life.table.copy(), life.past.copy(), life.muscle.copy(), life.rest.copy()
+    grown, first = hatch(genome, model, terrain, finer, ledger[0])
+    life, ground = first.life, first.grounded
+    brain, state = life.brain, life.state
+    cells, springs = brain.activation.size, state.body.rest_length.size
+    chambers = state.body.triangle_area.size + state.body.polygon_area.size
+    table, past, activation, rest = brain.table.copy(), brain.past.copy(), brain.activation.copy(), state.rest.copy()
+    muscles = np.empty((2, cells))
     for k in range(starts):
-        walker = Walker(life, first.system, first.work, first.steps, first.born, ledger[k])
-        asleep = Walker(life, first.system, first.work, first.steps, first.born, np.empty(0))
+        grounded = GroundedState(state, ground.system, ground.work, ground.steps, ground.born, ledger[k])
+        asleep = GroundedState(state, ground.system, ground.work, ground.steps, ground.born, np.empty(0))
         status[k], step = grown, 0
         if grown == OK:
-            life.table[:], life.past[:], life.muscle[:], life.rest[:] = table, past, muscle, rest
-            status[k] = lay_down(walker, headings[k])
+            brain.table[:], brain.past[:], brain.activation[:], state.rest[:] = table, past, activation, rest
+            status[k] = lay_down(grounded, headings[k])
         if status[k] == OK:
             status[k], settling[k] = come_to_rest(asleep, task)
         if status[k] != OK:
             continue
-        gain[k] = -_total(walker) if ledger.size else 0.0
-        kept, shown = (track, traces) if k == 0 else (track[:0], traces[:0])
+        gain[k] = -_total(grounded) if ledger.size else 0.0
+        kept = Kept(muscles, track if k == 0 else track[:0], traces if k == 0 else traces[:0])
         noise = Signals(signals.target, signals.noise, np.array([signals.random[0] + np.uint64(k), np.uint64(0)]))
-        status[k], step, amplitude[k], active[k] = _walk_windows(
-            walker, task, development, continual, noise, path[k], kept, shown
-        )
-        gain[k] += _total(walker) if ledger.size else 0.0
-        if kept.size:
+        rules = Rules(task.control_step, model.development, model.continual, noise)
+        status[k], step, amplitude[k], active[k] = _walk_windows(Walker(life, grounded), model, rules, path[k], kept)
+        gain[k] += _total(grounded) if ledger.size else 0.0
+        if kept.track.size:
             for later in range(step, task.control_steps + 1):
-                keep(life, track[later], traces[later])
-        if status[k] == UNSTABLE_PHYSICS or status[k] == INVERTED_CHAMBER:
+                keep(life, kept.track[later], kept.traces[later])
+        if status[k] == UNSTABLE or status[k] == INVERTED:
             failed[k] = step
-    return Walk(status, failed, path, amplitude, active, settling, gain, first.steps, cells, springs, chambers)
+    return Walk(status, failed, path, amplitude, active, settling, gain, ground.steps, cells, springs, chambers)

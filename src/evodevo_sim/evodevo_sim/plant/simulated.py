@@ -1,0 +1,112 @@
+"""The simulated body as a plant: activation in, positions and velocities out."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..brain.scent import Signals, normal
+from ..development.body import Body
+from ..kernels.jit import kernel, lean
+from ..physics.control_step import advance, settle
+from ..physics.forces import Law, Scratch, accelerations, make_law, make_scratch, set_rest_lengths
+from ..physics.rates import MOST_SUBSTEPS, choose_substeps, find_drag_rate, substeps_at_rate
+from .contract import Outcome
+
+SETTLE_TOLERANCE = 1e-3  # m/s^2
+SETTLE_LIMIT = 2000
+_STILL = 1e-7  # m/s and m/s^2 below which a body rests
+
+
+class BodyState(NamedTuple):
+    """A body that moves.  Control steps change rest, position and velocity; the rest is scratch or stays."""
+
+    body: Body
+    law: Law
+    rest: np.ndarray  # (E,) m, rest lengths
+    position: np.ndarray  # (2, N) m
+    velocity: np.ndarray  # (2, N) m/s
+    scratch: Scratch
+    substeps: int  # of RK4 in a control step at rest; 0 where there is no body to move, or it needs more than MOST_SUBSTEPS
+    finer: float  # times as many, rounded up, for an audit
+
+
+@kernel
+def make_body_state(body, material, scene, control_step, finer, moves):
+    """A body where it grew, at rest.  Args: finer: see `BodyState`; moves: whether it has chambers to move with."""
+    law = make_law(material, scene)
+    substeps = choose_substeps(body, law, control_step) if moves else 0
+    return BodyState(
+        body, law, np.empty(body.rest_length.size), body.position.T.copy(), np.zeros((2, body.position.shape[0])), make_scratch(body),
+        substeps if substeps <= MOST_SUBSTEPS else 0, float(finer),
+    )
+
+
+@lean
+def come_to_shape(state, activation):
+    """Let a newborn body come to rest in the shape that its muscles hold."""
+    set_rest_lengths(state.body, activation, state.rest)
+    settle(state.body, state.law, state.rest, state.position, state.velocity, SETTLE_TOLERANCE, SETTLE_LIMIT, state.scratch)
+
+
+@lean
+def actuate(state, activation, signals):
+    """Set rest lengths by activation (N,), equation (1); where there is noise of actuation, by a disturbed one, which stays in [-1, 1]."""
+    if not signals.noise.size:
+        set_rest_lengths(state.body, activation, state.rest)
+        return
+    pull = state.scratch.k1[0]
+    for i in range(activation.size):
+        pull[i] = activation[i]
+        if signals.noise[2] > 0.0:
+            pull[i] = min(max(pull[i] + signals.noise[2] * normal(signals.random), -1.0), 1.0)
+    set_rest_lengths(state.body, pull, state.rest)
+
+
+@lean
+def move(state, seconds):
+    """Carry a swimming body over a control step.  Returns: SOUND, or what was wrong.  `physics.rates.find_drag_rate` comes first."""
+    substeps = int(np.ceil(state.finer * substeps_at_rate(seconds, state.substeps, state.scratch)))
+    return advance(state.body, state.law, state.rest, state.position, state.velocity, seconds, substeps, state.scratch)
+
+
+@lean
+def rests(state):
+    """Whether nothing moves, nor is about to."""
+    most, scratch = 0.0, state.scratch
+    accelerations(state.body, state.law, state.rest, state.position, state.velocity, scratch, scratch.k1)
+    for a in range(2):
+        for i in range(state.position.shape[1]):
+            most = max(most, abs(state.velocity[a, i]), abs(scratch.k1[a, i]))
+    return most < _STILL
+
+
+@lean
+def swim_step(state, activation, signals, seconds):
+    """One control step of a swimming body, in place.  Returns: SOUND, or what was wrong."""
+    find_drag_rate(state.body, state.law, state.position, state.velocity, state.scratch)
+    actuate(state, activation, signals)
+    return move(state, seconds)
+
+
+def read_only(array: np.ndarray) -> np.ndarray:
+    """A view of an array that cannot be written to."""
+    view = array.view()
+    view.flags.writeable = False
+    return view
+
+
+class SwimmingBody:
+    """A simulated body in a fluid: a `Plant`.  Args: state: changed in place; signals: noise of actuation goes on with the brain's."""
+
+    def __init__(self, state: BodyState, signals: Signals):
+        self.state, self._signals = state, signals
+        self.body = state.body
+        self.position, self.velocity = read_only(state.position.T), read_only(state.velocity.T)
+
+    def move(self, activation: np.ndarray, seconds: float) -> Outcome:
+        return Outcome(swim_step(self.state, np.asarray(activation), self._signals, seconds))
+
+    def rests(self) -> bool:
+        return bool(rests(self.state))
