@@ -6,7 +6,7 @@ import sys
 
 from .audit import MOST_CHANGE, Audit, audit
 from .champion import champion_of
-from .command_line import Parser, pairs, say_if_compiling
+from .command_line import Parser, pairs, say_if_compiling, warn
 from .energy import LEDGER
 from .genome import GenomeError
 from .nodes.common import without_ros
@@ -42,7 +42,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         if given.within is not None and not 0.0 < given.within <= 1.0:
             raise ParameterError(f"--within is {given.within!r}: give a number above 0, up to 1")
-        champion = champion_of(given.source, pairs(given.set), given.task)
+        champion = champion_of(given.source, pairs(given.set), given.task, warn(parser.prog))
         say_if_compiling("trajectory.repeat")
         result = audit(champion.genome, champion.task, champion.seed, given.within)
     except (GenomeError, ParameterError, RecordingError) as error:

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 from .champion import champion_of
-from .command_line import Parser, pairs, say_if_compiling
+from .command_line import Parser, pairs, say_if_compiling, warn
 from .genome import GenomeError
 from .nodes.common import without_ros
 from .parameters import ParameterError
@@ -36,7 +36,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         if given.out:
             check(given.out, ".png")
-        champions = [champion_of(source, pairs(given.set), "chemotaxis") for source in given.sources]
+        champions = [champion_of(source, pairs(given.set), "chemotaxis", warn(parser.prog)) for source in given.sources]
         say_if_compiling("chemotaxis.trials")
         found = []
         for champion in champions:
