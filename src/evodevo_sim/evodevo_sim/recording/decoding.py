@@ -13,7 +13,7 @@ from rclpy.serialization import deserialize_message
 
 from .compression import compression_of
 from .definitions import definition, type_hash, type_name
-from .older import lacking, message_of, words_of
+from .older import BEFORE, lacking, message_of, words_of
 from .schema import compare, short, types_of
 from .stored import Channel
 
@@ -42,11 +42,13 @@ def reading_of(channel: Channel, message_type: type) -> Reading | None:
     name = type_name(message_type)
     if channel.type and short(channel.type) != short(name):
         return None
-    known = channel.type_hash == type_hash(name)
-    if channel.type_hash and not channel.type and not known:
+    known, before = channel.type_hash == type_hash(name), BEFORE.get((name, channel.type_hash))
+    if channel.type_hash and not channel.type and not (known or before):
         return None
     if channel.encoding != "cdr":
         return Reading(refused=f"its messages are in the encoding {channel.encoding or 'of no name'!r}, not cdr")
+    if before:
+        return _by_schema(name, before.encode(), message_type)
     if channel.schema_encoding != "ros2msg" or not channel.schema.strip():
         language = channel.schema_encoding
         what = f"its schema is in {language}, not ros2msg" if language and channel.schema.strip() else "its schema is empty or absent"
@@ -92,5 +94,5 @@ def _check(data: bytes) -> None:
     """Raises Undecodable where data cannot be a serialized message."""
     if data[:2] not in _CDR:
         compression = compression_of(data)
-        how = "`--compression-mode message`"
-        raise Undecodable(f"compressed by {compression}, each by itself ({how})" if compression else "no serialized messages")
+        how = "each by itself (`--compression-mode message`): convert them by `ros2 bag convert` to mcap without compression"
+        raise Undecodable(f"compressed by {compression}, {how}" if compression else "no serialized messages")

@@ -27,6 +27,19 @@ _NEEDED = {
     "Task": {"name"},
     "Vertex": {"x", "y"},
 }
+# Definitions that types of ours have had, by their name and hash: a channel with this hash holds such messages, whatever its schema says.
+BEFORE = {
+    ("evodevo_msgs/msg/Audit", "RIHS01_9e7b6b32347ae097e064a7ff9fc4ca1d6d7e80623a6408a350a0e449b53c490b"): """\
+builtin_interfaces/Time stamp
+uint32 generation
+bool stands
+string[] faults
+float64 fitness
+float64 fitness_finer
+float64 fitness_higher_order
+float64 unexplained
+""",
+}
 _SETTINGS = {"Task", "Development", "Material", "Scene", "Noise", "Chemotaxis"}  # what is missing there has its default
 _ABSENT = {"Steering"}  # all 0 where there was none
 # Fields that other versions have, and `_upgraded` makes use of; and those that it fills by them.

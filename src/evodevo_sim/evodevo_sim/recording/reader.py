@@ -19,7 +19,7 @@ from .stored import Channel, Damage, Stored
 from .topics import Topic, namespace_of, role_of
 
 _LONGEST = 290  # characters of a note
-_PLAIN = "convert it by `ros2 bag convert` to mcap without compression"
+_TRIES = 3  # messages of a topic that are tried where none can be read
 
 
 @dataclass
@@ -170,13 +170,17 @@ class _Collected:
         return settings[-1][1].log_time
 
     def _decoded(self, entry: Topic, messages, bad: Counter) -> list[tuple[int, object]]:
-        kept = []
+        kept, failed = [], None
         for _, one in messages:
+            if failed and not kept and bad[failed] >= _TRIES:
+                bad[failed] += 1
+                continue
             try:
                 kept.append((one.log_time, self._roles[one.channel][1].decode(one.data)))
             except Undecodable as error:
-                bad[(one.channel.topic, str(error))] += 1
-                self._recording.unread.setdefault(entry.attribute, f"the messages of {one.channel.topic} are {error}: {_PLAIN}")
+                failed = (one.channel.topic, str(error))
+                bad[failed] += 1
+                self._recording.unread.setdefault(entry.attribute, f"the messages of {one.channel.topic} are {error}")
         if kept:
             self._recording.unread.pop(entry.attribute, None)
         return kept
@@ -192,7 +196,8 @@ class _Collected:
             what = "is cut or damaged before its first message" if recording.notes else "holds nothing of evodevo's"
             raise RecordingError(f"{recording.path} {what}: {HOW}")
         for (topic, why), count in bad.items():
-            _note(recording, f"{count} messages of {topic} are {why}, and left out")
+            if role_of(topic).attribute not in recording.unread:
+                _note(recording, f"{count} messages of {topic} are left out: {why}")
         versions = list(dict.fromkeys(note for _, reading in readings for note in reading.notes))
         if versions:
             _note(recording, f"{recording.path} was recorded by another version: {', '.join(versions)}")
@@ -203,7 +208,7 @@ class _Collected:
             _note(recording, f"{topics[0]}{more}: {why}")
         for attribute, why in recording.unread.items():
             if not getattr(recording, attribute):
-                _note(recording, f"{why}; it is left out")
+                _note(recording, f"left out: {why}")
 
 
 def _stamp(message) -> int:

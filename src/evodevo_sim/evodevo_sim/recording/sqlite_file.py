@@ -12,6 +12,9 @@ from .definitions import HOW, RecordingError
 from .stored import Channel, Damage, Stored
 
 
+_DAMAGE = (sqlite3.Error, ValueError, OverflowError)  # that damage can set off; sqlite3 decodes its own messages
+
+
 def sqlite_messages(path: Path, damage: Damage) -> Iterator[Stored]:
     """The messages in the order in which they were written.  Raises RecordingError where it is no such file."""
     with closing(_opened(path)) as database:
@@ -20,7 +23,7 @@ def sqlite_messages(path: Path, damage: Damage) -> Iterator[Stored]:
         while True:
             try:
                 row = rows.fetchone()
-            except sqlite3.Error:
+            except _DAMAGE:
                 damage.cut = f"{path} is damaged"
                 return
             if row is None:
@@ -35,9 +38,10 @@ def _opened(path: Path) -> sqlite3.Connection:
     for how in ("mode=ro", "mode=ro&immutable=1"):
         try:
             database = sqlite3.connect(f"file:{quote(str(path.resolve()))}?{how}", uri=True)
+            database.text_factory = lambda text: text.decode(errors="replace")
             database.execute("SELECT count(*) FROM sqlite_master").fetchone()
             return database
-        except sqlite3.Error:
+        except _DAMAGE:
             continue
     raise RecordingError(f"{path} is not an SQLite file: {HOW}")
 
@@ -51,10 +55,15 @@ def _channels(path: Path, database: sqlite3.Connection) -> dict[int, Channel]:
         if database.execute("PRAGMA table_info(message_definitions)").fetchall():
             rows = database.execute("SELECT topic_type, encoding, encoded_message_definition FROM message_definitions")
             texts = {name: (encoding, text) for name, encoding, text in rows}
-    except sqlite3.Error:
+    except _DAMAGE:
         raise RecordingError(f"{path} is an SQLite file, but no recording of rosbag2: {HOW}") from None
     found = {}
     for number, name, kind, encoding, type_hash in topics:
         language, text = texts.get(kind, ("", ""))
-        found[number] = Channel(name, kind, encoding, language or "", (text or "").encode(), type_hash or "")
+        name, kind, encoding, language, text, type_hash = map(_text, (name, kind, encoding, language, text, type_hash))
+        found[number] = Channel(name, kind, encoding, language, text.encode(), type_hash)
     return found
+
+
+def _text(value) -> str:
+    return value if isinstance(value, str) else ""
