@@ -16,6 +16,9 @@ from ..stretches import holes, words_of_holes
 from .life import Life
 
 
+BETWEEN = "  ·  "  # facts in a line
+
+
 def headline(recording: Recording, life: Life) -> tuple[str, str]:
     """Name, and one line of what the recording is."""
     facts, settings = [], recording.settings
@@ -43,7 +46,7 @@ def headline(recording: Recording, life: Life) -> tuple[str, str]:
         facts.append("the end of the recording is missing")
     if len(holes(life.time)):
         facts.append("states are missing in the middle")
-    return name_of(recording.path), "  ·  ".join(facts)
+    return name_of(recording.path), BETWEEN.join(facts)
 
 
 def name_of(path: Path) -> str:
