@@ -79,6 +79,8 @@ def _track(given) -> Track:
     life = life_of(recording)
     for line in filter(None, (*recording.notes, words_of_stretch(life) if len(life.time) else "")):
         print(f"gait: {line}", file=sys.stderr)
+    if recording.settings is None and life.scene is None and not given.walk:
+        print(f"gait: {path} does not say in what scene it is: read as a swimmer's; give --walk if it walks", file=sys.stderr)
     return track_of_recording(recording, life, given.walk)
 
 

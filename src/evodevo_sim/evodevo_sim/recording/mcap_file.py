@@ -49,7 +49,8 @@ class McapFile:
                     behind = self._next_chunk(begin)
                     if behind is None:
                         ends = opened.tell() >= size or isinstance(error, EndOfFile)
-                        self._damage.cut = f"the end of {self._path} is missing" if ends else f"{self._path} is damaged from byte {begin} on"
+                        broken = f"{self._path} is damaged from byte {begin} on"
+                        self._damage.cut = f"the end of {self._path} is missing" if ends else broken
                         return
                     self._damage.holes.append(f"{self._path} from byte {begin} to {behind}")
                     opened.seek(behind)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from collections.abc import Sequence
 
 _LATE = 2 * 10**9  # ns, later than which no message arrives that belongs before others
@@ -52,8 +51,3 @@ def _parted(life: dict[int, int], times: Sequence[int]) -> list[dict[int, int]]:
         if most < before and times[life[order[k]]] - times[life[before]] > _LATE:
             return [{s: life[s] for s in order[:k]}, {s: life[s] for s in order[k:]}]
     return [life]
-
-
-def latest(times: Sequence[int], moments: Sequence[int]) -> list[int]:
-    """For each moment the number of times, ascending, at or before it."""
-    return [bisect_right(times, moment) for moment in moments]
