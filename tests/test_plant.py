@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
-from evodevo_sim import perform
 from evodevo_sim.live import Animat
 from evodevo_sim.parameters import default_task, with_settings
 from evodevo_sim.plant import Outcome, Plant
 from evodevo_sim.task_kinds import kind_of, names
 from evodevo_sim.tasks.swim.fitness import begin
 from genomes import beating, pulsing
+
+from evodevo_sim import perform
 
 NOISE = {"noise.concentrations": 0.02, "noise.actuation": 0.1}
 

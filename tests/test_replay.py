@@ -151,6 +151,11 @@ def test_a_rerun_file_brings_its_layout(bags, tmp_path, capsys):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_whatever_a_recording_holds_is_shown(bags, tmp_path, capsys, kind):
+    if kind == "settings":
+        code, out, err = run(capsys, bags / kind, "--png", tmp_path / "a.png")
+        assert (code, out) == (2, "") and "nothing to draw" in err and err.count("\n") == 1 and list(tmp_path.iterdir()) == []
+        assert run(capsys, bags / kind, "--save", tmp_path / "a.rrd")[0] == 0 and "/summary" in rows(tmp_path / "a.rrd")
+        return
     code, out, err = run(capsys, bags / kind, "--save", tmp_path / "a.rrd", "--png", tmp_path / "a.png")
     assert (code, err) == (0, "") and out.count("Saved") == 2
     assert "/summary" in rows(tmp_path / "a.rrd")
@@ -316,3 +321,19 @@ def test_the_viewer_keeps_to_this_host(tmp_path, monkeypatch):
     calls = [line.split() for line in (tmp_path / "calls").read_text().splitlines()]
     assert [call[1:] for call in calls] == [["analytics", "disable"], ["--bind", "127.0.0.1", "--port", "auto", "a.rrd"]]
     assert calls[0][0] == calls[1][0] and not os.path.exists(calls[0][0])
+
+
+def test_rerun_switched_off_by_the_environment_still_saves_what_was_asked_for(bags, tmp_path, capsys, monkeypatch):
+    monkeypatch.setenv("RERUN", "off")
+    code, out, err = run(capsys, bags / "life", "--save", tmp_path / "a.rrd")
+    assert (code, err) == (0, "") and "Saved" in out and rows(tmp_path / "a.rrd")["/animat/cells"] == GROWTH + STEPS
+    assert os.environ["RERUN"] == "off"
+
+
+def test_an_empty_rerun_file_is_never_called_saved(bags, tmp_path, capsys, monkeypatch):
+    from contextlib import nullcontext
+
+    monkeypatch.setenv("RERUN", "off")
+    monkeypatch.setattr(viewer, "switched_on", nullcontext)
+    code, out, err = run(capsys, bags / "life", "--save", tmp_path / "a.rrd")
+    assert code == 2 and out == "" and "Rerun wrote nothing" in err and list(tmp_path.iterdir()) == []

@@ -48,9 +48,9 @@ def test_a_life_before_its_first_target_has_none(tmp_path):
     with Recorder(tmp_path / "bag") as recorder:
         for k in range(3):
             state = cell_states_message(np.array([(0.0, 0.0), (1.0, 0.0)]), np.zeros((2, 2)), np.zeros(2), k, k / 60)
-            recorder.write("cell_states", state, k)
+            recorder.write("cell_states", state, 2 * k)
             if k == 1:
-                recorder.write("target_pose", target_message((2.5, 0.0), time_message(1.0)), k)
+                recorder.write("target_pose", target_message((2.5, 0.0), time_message(1.0)), 2 * k + 1)
     life = life_of(read_recording(tmp_path / "bag"))
     assert np.isnan(life.target[:2]).all() and life.target_distance[2] == pytest.approx(2.0)
 

@@ -171,11 +171,13 @@ class _Run:
         now = time.time_ns()
         message = statistics_message(generation, rate, now * 1e-9)
         self.recorder.write("evolution/statistics", message, now)
-        self.statistics.publish(message)
         if generation.improved:
             self.champion, self.verdict = self.evolution.champion, _NOT_AUDITED
             champion = champion_message(generation.generation, self.champion, now * 1e-9)
             self.recorder.write("evolution/champion", champion, now)
+        self.recorder.flush()  # before anybody hears of it
+        self.statistics.publish(message)
+        if generation.improved:
             self.champions.publish(champion)
             _save(self.options, generation.generation, self.champion, self.verdict)
             if self.options.task.kind.audit is not None and not self.champion.evaluation.cause:
@@ -188,7 +190,7 @@ class _Run:
         message = audit_message(finding, now * 1e-9)
         self.recorder.write("evolution/audit", message, now)
         self.audits.publish(message)
-        verdict = "the fitness stands" if finding.audit.stands else "FAILED: " + "; ".join(finding.audit.faults)
+        verdict = audit.verdict_of(finding.audit)
         if finding.champion is self.champion:
             self.verdict = verdict
             _save(self.options, finding.generation, finding.champion, verdict)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import asdict
 
@@ -36,16 +37,18 @@ def champion_message(generation: int, champion: Individual, seconds: float) -> m
 
 
 def audit_message(finding: Finding, seconds: float) -> msg.Audit:
-    runs = finding.audit.runs
-    evolved = finding.audit.evaluation.fitness
-    finer, higher_order = (run.fitness for run in runs[1:]) if runs else (evolved, evolved)
+    runs = [
+        msg.AuditRun(
+            name=run.name, fitness=run.fitness, change=run.change, sustained=run.sustained,
+            unexplained=run.gap if run.ledger else math.nan, cause=run.cause,
+        )
+        for run in finding.audit.runs
+    ]
     return msg.Audit(
         stamp=time_message(seconds),
         generation=finding.generation,
         stands=finding.audit.stands,
         faults=list(finding.audit.faults),
-        fitness=evolved,
-        fitness_finer=finer,
-        fitness_higher_order=higher_order,
-        unexplained=runs[0].gap if runs else 0.0,
+        fitness=finding.audit.evaluation.fitness,
+        runs=runs,
     )

@@ -9,7 +9,7 @@ from ..parameters import ParameterError
 from ..physics.energy import LEDGER
 from ..recording import RecordingError
 from ..recording.champion import champion_of
-from ..ros.command_line import Parser, pairs, say_if_compiling
+from ..ros.command_line import Parser, pairs, say_if_compiling, warn
 from ..ros.process import without_ros
 from ..task_kinds import names
 from ..tasks.audit import MOST_CHANGE, Audit, audit
@@ -43,7 +43,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         if given.within is not None and not 0.0 < given.within <= 1.0:
             raise ParameterError(f"--within is {given.within!r}: give a number above 0, up to 1")
-        champion = champion_of(given.source, pairs(given.set), given.task)
+        champion = champion_of(given.source, pairs(given.set), given.task, warn(parser.prog))
         say_if_compiling("replayed_motion.repeat")
         result = audit(champion.genome, champion.task, champion.seed, given.within)
     except (GenomeError, ParameterError, RecordingError) as error:

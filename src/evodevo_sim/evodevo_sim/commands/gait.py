@@ -14,8 +14,8 @@ from ..analysis.gait.track import GaitError, Track
 from ..genetics.genome import GenomeError
 from ..genetics.genome_file import load_genome
 from ..parameters import ParameterError, Task, with_settings
-from ..recording import RecordingError, read_recording
-from ..recording.gait import track_of_recording
+from ..recording import RecordingError, is_recording, read_recording
+from ..recording.gait import track_of_recording, words_of_stretch
 from ..recording.life import life_of
 from ..ros.command_line import Parser, pairs, say_if_compiling
 from ..ros.process import without_ros
@@ -28,8 +28,8 @@ examples:
   ros2 run evodevo_sim gait bags/RUN --out gait.png
       the gait of the last champion, and a picture of muscles, phases and motion
   ros2 run evodevo_sim gait champion.yaml --set scene.drag_normal=100 --csv cells.csv
-  ros2 run evodevo_sim gait bags/MINE --walk
-      a motion that `simulate --scene walk` recorded
+  ros2 run evodevo_sim gait bags/MINE
+      a motion that simulate recorded; of another's recording of a walk, add --walk
 
 Swimmers are classed as protrusions, undulation, jellyfish or peristalsis; walkers as jump, run or mass shift; both, where no rule
 fits, as unclear or still. docs/gaits.md tells the rules. All numbers are of the second half of the motion.
@@ -40,7 +40,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = Parser("gait", "Name and measure the gait of a swimmer or walker.", _EPILOG)
     parser.add_argument("source", metavar="BAG|GENOME", help="a recording, or a genome file")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="for a genome: a number of its task")
-    parser.add_argument("--walk", action="store_true", help="for a recording: it walks, on flat ground at y = 0")
+    parser.add_argument("--walk", action="store_true", help="for a recording: it walks, on the ground in it, or else flat at y = 0")
     parser.add_argument("--out", type=Path, metavar="FILE.png", help="save a picture")
     parser.add_argument("--csv", type=Path, metavar="FILE.csv", help="save place, amplitude and phase of every cell")
     given = parser.parse_args(without_ros(parser, sys.argv[1:] if arguments is None else arguments))
@@ -67,7 +67,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _track(given) -> Track:
     path = Path(given.source)
-    if not path.is_dir() and path.suffix != ".mcap":
+    if not is_recording(path):
         if given.walk:
             raise ParameterError("--walk is for a recording: the task of a genome says whether it walks")
         genome, task = load_genome(path), with_settings(Task(), pairs(given.set))
@@ -76,9 +76,12 @@ def _track(given) -> Track:
     if given.set:
         raise ParameterError("--set is for a genome file: a recording names its own task")
     recording = read_recording(path)
-    if recording.truncated:
-        print(f"gait: the end of {path} is missing: this is of what was saved", file=sys.stderr)
-    return track_of_recording(recording, life_of(recording), given.walk)
+    life = life_of(recording)
+    for line in filter(None, (*recording.notes, words_of_stretch(life) if len(life.time) else "")):
+        print(f"gait: {line}", file=sys.stderr)
+    if recording.settings is None and life.scene is None and not given.walk:
+        print(f"gait: {path} does not say in what scene it is: read as a swimmer's; give --walk if it walks", file=sys.stderr)
+    return track_of_recording(recording, life, given.walk)
 
 
 if __name__ == "__main__":

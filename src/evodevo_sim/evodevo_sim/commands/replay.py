@@ -22,7 +22,7 @@ examples:
   ros2 run evodevo_sim replay bags/long --no-viewer --png long.png
       a picture alone: growth, swim, muscles, fitness; it needs no Rerun
 
-A recording is a directory that `evolve` or `ros2 bag record -s mcap` made, or an .mcap file; one that was cut off is shown
+A recording is a directory that `evolve` or `ros2 bag record` made, or an .mcap or .db3 file of it; one that was cut off is shown
 as far as it goes.  An older .rrd or .png of the same name is replaced when the new one is complete; any other file is left alone.
 The viewer that replay opens sends no statistics of its use to its makers; `rerun analytics disable` turns them off for others.
 In the viewer: space plays and pauses, the timeline `generation` shows the curves of a run, dragging and scrolling move the view.
@@ -58,7 +58,8 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _replay(options: argparse.Namespace) -> int:
-    from ..recording import read_recording
+    from ..analysis.stretches import words_of_holes
+    from ..recording import RecordingError, read_recording
     from ..recording.life import life_of
     from ..view import files, viewer
     from ..view.summary import name_of
@@ -68,9 +69,12 @@ def _replay(options: argparse.Namespace) -> int:
             files.check(path, ending)
     source = options.recording or _newest(Path("bags"))
     recording = read_recording(source, progress=True)
-    if recording.truncated:
-        print(f"replay: the end of {source} is missing: showing what was saved", file=sys.stderr)
     life = life_of(recording)
+    missing = words_of_holes(life.time)
+    for line in (*recording.notes, *([missing] if missing else [])):
+        print(f"replay: {line}", file=sys.stderr)
+    if options.png and not (len(life.time) or any(len(pose.position) for pose in life.growth) or recording.statistics):
+        raise RecordingError(f"{source} holds no life and no generations: there is nothing to draw")
     if options.png:
         _picture(recording, life, options.png)
     opens = viewer.has_display() and viewer.is_installed() and not options.no_viewer
@@ -97,7 +101,7 @@ def _newest(directory: Path) -> Path:
     from ..recording import RecordingError
 
     written = {}
-    for file in directory.glob("**/*.mcap"):
+    for file in (*directory.glob("**/*.mcap"), *directory.glob("**/*.db3")):
         written[file.parent] = max(file.stat().st_mtime, written.get(file.parent, 0.0))
     if not written:
         raise RecordingError(f"{directory}/ holds no recording: make one by `ros2 run evodevo_ga evolve`, or name one")

@@ -10,7 +10,7 @@ from ..genetics.genome import GenomeError
 from ..parameters import ParameterError
 from ..recording import RecordingError
 from ..recording.champion import champion_of
-from ..ros.command_line import Parser, pairs, say_if_compiling
+from ..ros.command_line import Parser, pairs, say_if_compiling, warn
 from ..ros.process import without_ros
 from ..view.files import OutputError, check, whole
 
@@ -36,7 +36,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         if given.out:
             check(given.out, ".png")
-        champions = [champion_of(source, pairs(given.set), "chemotaxis") for source in given.sources]
+        champions = [champion_of(source, pairs(given.set), "chemotaxis", warn(parser.prog)) for source in given.sources]
         say_if_compiling("kernel.trials")
         found = []
         for champion in champions:

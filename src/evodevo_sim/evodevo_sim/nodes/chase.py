@@ -23,9 +23,9 @@ from evodevo_msgs.srv import Load
 from ..genetics.genome import GenomeError
 from ..live.targets import Drawn, Random, load_points
 from ..parameters import ParameterError
-from ..recording import Recorder, RecordingError, read_recording
+from ..recording import Recorder, RecordingError, is_recording, read_recording
 from ..recording.champion import Champion, champion_of
-from ..ros.command_line import Parser, pairs
+from ..ros.command_line import Parser, pairs, warn
 from ..ros.messages import genome_message, target_message, task_message
 from ..ros.own_simulators import OwnSimulators
 from ..ros.process import stay_on_this_host, without_ros
@@ -91,7 +91,7 @@ def main(arguments: list[str] | None = None) -> int:
         signal.signal(number, lambda *_: stop.set())
     stay_on_this_host()
     try:
-        champion = champion_of(given.source, pairs(given.set), "chemotaxis")
+        champion = champion_of(given.source, pairs(given.set), "chemotaxis", warn(parser.prog))
         if not champion.task.has_target:
             raise ParameterError(f"{given.source} was evolved for {champion.task.name}, without targets: give its champion.yaml, or another run")
         targets = _targets(given)
@@ -113,8 +113,11 @@ def _targets(given):
     if given.targets == "random":
         return Random(given.seed, *given.distance)
     path = Path(given.targets)
-    if path.is_dir() or path.suffix == ".mcap":
-        poses = read_recording(path).targets
+    if is_recording(path):
+        recording = read_recording(path)
+        for line in recording.notes:
+            warn("chase")(line)
+        poses = recording.targets
         points = [(pose.pose.position.x, pose.pose.position.y) for pose in poses]
         if not points or not np.isfinite(points).all():
             raise RecordingError(f"{path} holds no targets, or one that is not finite: give a recording of chase")

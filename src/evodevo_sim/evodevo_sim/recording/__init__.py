@@ -1,4 +1,4 @@
-"""Recordings: rosbag2 directories in MCAP, written by the process that makes the data.
+"""Recordings: rosbag2 directories in MCAP, written by the process that makes the data; read also in the forms that others give them.
 
     DIR/metadata.yaml, DIR/DIR_0.mcap
         evolution/settings, evolution/statistics, evolution/champion, evolution/audit      of a run
@@ -6,11 +6,15 @@
         body (latched), cell_states                                       the animat that lives
         scene (latched)                                                   the world of a walk by simulate
         gait (latched)                                                    what evolve found that motion to be
+
+`topics` is the table of them.  Reading: `storage` finds the files, `mcap_file` and `sqlite_file` their messages; `decoding` tells by
+`schema` whether a type is ours, and `older` what another version of it lacks; `ordering` puts messages in the order of time.
 """
 
 from .definitions import RecordingError
 from .performance import record_performance
 from .reader import Recording, read_recording
+from .storage import is_recording
 from .writer import Recorder
 
-__all__ = ["Recorder", "Recording", "RecordingError", "read_recording", "record_performance"]
+__all__ = ["Recorder", "Recording", "RecordingError", "is_recording", "read_recording", "record_performance"]

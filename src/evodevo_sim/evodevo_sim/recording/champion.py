@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,7 +11,7 @@ from ..genetics.genome import Genome
 from ..genetics.genome_file import load_genome
 from ..parameters import ParameterError, Task, default_task, with_settings
 from ..ros.messages import genome_from_message, task_from_message
-from . import RecordingError, read_recording
+from . import RecordingError, is_recording, read_recording
 
 
 @dataclass(frozen=True)
@@ -24,20 +25,28 @@ class Champion:
     fitness: float | None = None
 
 
-def champion_of(source: str | os.PathLike, settings: dict[str, str], task_name: str = "swim") -> Champion:
+def champion_of(
+    source: str | os.PathLike, settings: dict[str, str], task_name: str = "swim", say: Callable[[str], None] = lambda line: None
+) -> Champion:
     """The champion of a genome file or a recording.
 
-    Args: settings: of the task of a genome file, which is the default one of `task_name`.
+    Args: settings: of the task of a genome file, which is the default one of `task_name`; say: called with each line that must be
+        known of a recording, e.g. that its end is missing.
     Raises GenomeError, ParameterError or RecordingError.
     """
     path = Path(source)
     name = path.resolve().name
-    if not path.is_dir() and path.suffix != ".mcap":
+    if not is_recording(path):
         return Champion(path.stem, load_genome(path), with_settings(default_task(task_name), settings))
     if settings:
         raise ParameterError("--set is for a genome file: a recording names its own task")
     recording = read_recording(path)
+    for attribute in ("settings", "champions"):
+        if attribute in recording.unread and not getattr(recording, attribute):
+            raise RecordingError(f"{path}: {recording.unread[attribute]}")
     if recording.settings is None or not recording.champions:
         raise RecordingError(f"{path} holds no champion: give a run of evolve, or a genome file")
+    for line in recording.notes:
+        say(line)
     champion, run = recording.champions[-1], recording.settings
     return Champion(name, genome_from_message(champion.genome), task_from_message(run.task), run.seed, champion.evaluation.fitness)

@@ -92,8 +92,11 @@ class Life:
 def life_of(recording: Recording) -> Life:
     """The last life of a recording, e.g. after the last reset of a simulator; empty arrays where it holds none.
 
-    Raises RecordingError where bodies and states do not fit each other.
+    Raises RecordingError where bodies and states do not fit each other, or are of other message types than ours.
     """
+    for attribute in ("states", "body"):
+        if attribute in recording.unread and not getattr(recording, attribute):
+            raise RecordingError(f"{recording.path}: {recording.unread[attribute]}")
     growth = _finite(_last_run(recording.growth))
     lived = _last_run(recording.states)
     targets = _targets(recording, len(recording.states) - len(lived), len(lived))
@@ -125,9 +128,9 @@ def life_of(recording: Recording) -> Life:
 
 
 def _scene(recording: Recording) -> Scene | None:
-    """The world, where there is ground in it."""
+    """The world, where there is ground in it: that of simulate, or of the task of a run."""
     settings, scene = recording.settings, recording.scene
-    if settings is not None and _has_ground(settings.task.name):
+    if scene is None and settings is not None and _has_ground(settings.task.name):
         scene = settings.task.scene
     try:
         return None if scene is None else scene_from_message(scene)
@@ -149,9 +152,9 @@ def _seconds(messages) -> np.ndarray:
 
 
 def _last_run(messages: list) -> list:
-    """The messages since time last ran back."""
+    """The messages since time last ran back: a recording holds each life in order."""
     stamps = np.array([_stamp(message) for message in messages])
-    back = np.flatnonzero(np.diff(stamps) < 0)
+    back = np.flatnonzero(np.diff(stamps) <= 0)
     return messages[back[-1] + 1 :] if len(back) else messages
 
 
@@ -166,12 +169,11 @@ def _is_finite(s) -> bool:
 
 def _targets(recording: Recording, first: int, count: int) -> np.ndarray:
     """(count, 2) m: the target at each state from `first` on, NaN while there is none; (0, 2) where there never was one."""
-    points = [(message.pose.position.x, message.pose.position.y) for message in recording.targets]
+    points = [(message.pose.position.x, message.pose.position.y) for message in recording.targets]  # in the order of their times
     if not points or not count:
         return np.empty((0, 2))
     points = np.array([(np.nan, np.nan), *points])
-    latest = np.searchsorted(recording.targets_from, np.arange(first, first + count), side="right")
-    return points[latest]
+    return points[np.searchsorted(recording.target_times, recording.state_times[first : first + count], side="right")]
 
 
 def _positions(state) -> np.ndarray:

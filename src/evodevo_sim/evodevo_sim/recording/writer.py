@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
-import time
+import threading
 from pathlib import Path
 
 import yaml
@@ -14,7 +15,7 @@ from rclpy.serialization import serialize_message
 from .definitions import RecordingError, definition, type_hash, type_name
 
 _CHUNK = 128 * 1024  # bytes of messages that share a compressed chunk
-_KEEP_WITHIN = 1.0  # s after which a message is on disk, come what may
+_KEEP_WITHIN = 0.5  # s after which a message is in the file, come what may
 _INFINITE = {"sec": 9223372036, "nsec": 854775807}
 
 
@@ -34,7 +35,11 @@ def _quality(latched: bool) -> dict:
 
 
 class Recorder:
-    """A recording that is being written, as a context.  What is written is on disk a second later, even if we are killed.
+    """A recording that is being written, as a context.
+
+    What is written is in the file within a second, even if nothing more is written and we are killed.  A thread sees to that, and
+    asks the disk to keep it: a power cut takes what was written in the last second, and what a slow disk had not kept by then.
+    Any thread may write.
 
     Args: directory: made anew, with its parents.  Raises RecordingError where it exists or cannot be written.
     """
@@ -53,7 +58,11 @@ class Recorder:
             raise RecordingError(f"{self.directory} cannot be written ({error.strerror}): choose another directory") from None
         self._writer = Writer(self._file, chunk_size=_CHUNK, compression=CompressionType.ZSTD)
         self._writer.start(profile="ros2", library="evodevo")
-        self._kept = time.monotonic()
+        self._lock = threading.Lock()
+        self._failed: RecordingError | None = None  # in the thread
+        self._waiting, self._ending = threading.Event(), threading.Event()  # messages that are not in the file yet; the end
+        self._keeper = threading.Thread(target=self._keep, name="recorder", daemon=True)
+        self._keeper.start()
 
     def __enter__(self) -> Recorder:
         return self
@@ -66,25 +75,52 @@ class Recorder:
 
         Args: topic: absolute, or below `/`; message: of any ROS type; stamp: ns; latched: whether late readers want it.
         """
-        channel = self._channels.get(topic) or self._add_channel(topic, type(message), latched)
-        self._first, self._last = min(self._first, stamp), max(self._last, stamp)
-        channel["count"] += 1
-        with self._one_line_errors():
-            self._writer.add_message(channel["id"], stamp, serialize_message(message), stamp, channel["count"])
-            if time.monotonic() - self._kept > _KEEP_WITHIN:
-                self.flush()
+        data = serialize_message(message)
+        with self._lock, self._one_line_errors():
+            if self._failed:
+                raise self._failed
+            channel = self._channels.get(topic) or self._add_channel(topic, type(message), latched)
+            self._first, self._last = min(self._first, stamp), max(self._last, stamp)
+            channel["count"] += 1
+            self._writer.add_message(channel["id"], stamp, data, stamp, channel["count"])
+        self._waiting.set()
 
     def flush(self) -> None:
-        """Put what was written on disk."""
-        with self._one_line_errors():
+        """Put what was written into the file, where it survives the end of this process."""
+        with self._lock, self._one_line_errors():
             self._writer.flush()
             self._file.flush()
-        self._kept = time.monotonic()
+
+    def _keep(self) -> None:
+        """Flush what waits, again and again, and have the disk keep it."""
+        while True:
+            self._waiting.wait()
+            if self._ending.wait(_KEEP_WITHIN):
+                return
+            self._waiting.clear()
+            try:
+                self.flush()
+                self._sync()
+            except RecordingError as error:
+                self._failed = error
+                return
+
+    def _sync(self) -> None:
+        """Have the disk keep what is in the file; meanwhile others may write."""
+        try:
+            os.fsync(self._file.fileno())
+        except OSError as error:
+            if error.errno not in (errno.EINVAL, errno.ENOTSUP, errno.EROFS):  # of files that have no disk behind them
+                with self._one_line_errors():
+                    raise
 
     def close(self) -> None:
         """End the recording.  One in which nothing was written leaves no directory behind."""
         if self._file.closed:
             return
+        self._ending.set()
+        self._waiting.set()
+        self._keeper.join()
         if not self._channels:
             self._file.close()
             if [path.name for path in self.directory.iterdir()] == [self._name]:
@@ -93,6 +129,8 @@ class Recorder:
         with self._one_line_errors():
             try:
                 self._writer.finish()
+                self._file.flush()
+                self._sync()
             finally:
                 self._file.close()
             text = yaml.dump(self._metadata(), Dumper=_Plain, sort_keys=False)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import sys
+from collections.abc import Callable
 
 from ..kernels.jit import is_compiled
 from ..parameters import ParameterError
@@ -25,6 +27,11 @@ def pairs(items: list[str]) -> dict[str, str]:
         if not value:
             raise ParameterError(f"--set {name}: give NAME=VALUE, e.g. material.stiffness=300")
     return given
+
+
+def warn(prog: str) -> Callable[[str], None]:
+    """What prints a line on stderr under a command's name."""
+    return lambda line: print(f"{prog}: {line}", file=sys.stderr)
 
 
 def say_if_compiling(kernel_name: str) -> None:

@@ -52,6 +52,13 @@ class Audit:
         return not self.faults
 
 
+def verdict_of(found: Audit) -> str:
+    """An audit in a line: whether the fitness stands, and what each way of repeating the life came to, by its name."""
+    if not found.stands:
+        return "FAILED: " + "; ".join(found.faults)
+    return f"the fitness stands ({'; '.join(f'{run.fitness:.6g} m {run.name}' for run in found.runs[1:])})"
+
+
 def audit(genome: Genome, task: Task = Task(), seed: int = 0, most_change: float | None = None, quick: bool = False) -> Audit:
     """Audit a genome's fitness.
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from .colours import ACCENT, INK, SECOND, THIRD, activation_colours
 from .files import OutputError, check
-from .viewer import NO_RERUN, has_display, is_installed, opened
+from .viewer import NO_RERUN, has_display, is_installed, opened, switched_on
 
 _HEIGHT = 0.02  # m, of lines above the cells' discs
 
@@ -38,7 +38,8 @@ class LiveView:
         import rerun as rr
 
         self._rr = rr
-        self._stream = rr.RecordingStream(f"evodevo {self._name}")
+        with switched_on():
+            self._stream = rr.RecordingStream(f"evodevo {self._name}")
         sinks = [rr.FileSink(str(self._path))] if self._path else []
         if self._viewer:
             port = _free_port()

@@ -6,16 +6,18 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
+from ..analysis.stretches import holes
 from ..recording import Recording
 from ..recording.life import Life, contrasting_cells
 from .colours import ACCENT, INK, QUIET, SECOND, THIRD, activation_colours, unit_rgb
 from .drawing import bounds, draw_pose, draw_swim, frame, round_length, scale_bar
-from .summary import headline
+from .summary import BETWEEN, headline
 
 FRAMES = 6  # of growth and of the swim
 _WIDTH, _DPI = 12.8, 125  # inches; 1600 px
 _LEFT, _RIGHT, _TOP, _BOTTOM, _GAP = 0.4, 0.25, 1.25, 0.55, 0.65  # margins and distance of rows, inches
 _TALLEST = {FRAMES: 2.4, FRAMES // 2: 4.6}  # inches, of the swim's frames, by columns
+_LINE = 160  # characters below the name
 _CYCLES = 8.0  # periods of the muscles to show
 STYLE = {
     "font.family": "sans-serif", "font.size": 9, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True,
@@ -74,7 +76,8 @@ def _head(figure, recording: Recording, life: Life) -> None:
     total = figure.get_figheight()
     name, facts = headline(recording, life)
     figure.text(_LEFT / _WIDTH, 1 - 0.45 / total, name, fontsize=17, fontweight="bold")
-    figure.text(_LEFT / _WIDTH, 1 - 0.72 / total, facts, fontsize=9.5, color="0.35")
+    for k, line in enumerate(_lines(facts)):
+        figure.text(_LEFT / _WIDTH, 1 - (0.72 + 0.19 * k) / total, line, fontsize=9.5, color="0.35")
     if not len(life.time) and not life.growth:
         return
     scale = figure.add_axes((1 - (_RIGHT + 2.6) / _WIDTH, 1 - 0.36 / total, 2.6 / _WIDTH, 0.14 / total))
@@ -87,6 +90,15 @@ def _head(figure, recording: Recording, life: Life) -> None:
         label.set_horizontalalignment(side)
     scale.spines[:].set_visible(False)
     scale.grid(False)
+
+
+def _lines(facts: str) -> list[str]:
+    """Facts in as many lines as they take."""
+    lines = [""]
+    for fact in facts.split(BETWEEN):
+        whole = BETWEEN.join(filter(None, (lines[-1], fact)))
+        lines[-1:] = [whole] if len(whole) <= _LINE or not lines[-1] else [lines[-1], fact]
+    return lines
 
 
 def _growth_steps(life: Life) -> list[int]:
@@ -199,6 +211,12 @@ def _period(activation, step: float) -> float:
     return len(activation) * step / k if k else np.inf
 
 
+def _broken(seconds, values):
+    """A curve that is not drawn across holes."""
+    behind = holes(seconds) + 1
+    return np.insert(seconds, behind, np.nan), np.insert(values, behind, np.nan)
+
+
 def _activation(axes, life: Life) -> None:
     cells, seconds = contrasting_cells(life.activation), life.time - life.time[0]
     late = len(seconds) // 2
@@ -206,7 +224,7 @@ def _activation(axes, life: Life) -> None:
     if len(seconds) > 2:
         shown = seconds >= seconds[-1] - _CYCLES * _period(life.activation[late:, cells], seconds[1] - seconds[0])
     for cell, colour in zip(cells, (ACCENT, SECOND)):
-        axes.plot(seconds[shown], life.activation[shown, cell], color=unit_rgb(colour), label=f"cell {cell}")
+        axes.plot(*_broken(seconds[shown], life.activation[shown, cell]), color=unit_rgb(colour), label=f"cell {cell}")
     most = min(1.05, max(0.25, 1.3 * np.abs(life.activation[np.ix_(shown, cells)]).max()))
     axes.axhline(0.0, color="0.75", linewidth=0.8, zorder=1)
     axes.set(title="Activation e − c", xlabel="time since birth, s", ylim=(-most, most))
@@ -215,10 +233,10 @@ def _activation(axes, life: Life) -> None:
 
 def _distance(axes, life: Life) -> None:
     seconds, aims = life.time - life.time[0], len(life.target) > 0
-    axes.plot(seconds, life.distance, color=unit_rgb(THIRD), label="from birth")
+    axes.plot(*_broken(seconds, life.distance), color=unit_rgb(THIRD), label="from birth")
     axes.set(title="Distance, m" if aims else "Distance from birth, m", xlabel="time since birth, s")
     if aims:
-        axes.plot(seconds, life.target_distance, color=unit_rgb(SECOND), label="to target")
+        axes.plot(*_broken(seconds, life.target_distance), color=unit_rgb(SECOND), label="to target")
         legend(axes)
     axes.set_ylim(bottom=0.0)
 

@@ -9,10 +9,13 @@ import numpy as np
 from evodevo_msgs import msg
 
 from ..analysis.gait.table import headline as gait_headline
+from ..analysis.stretches import holes, words_of_holes
 from ..recording import Recording
 from ..recording.gait import gait_of_recording
 from ..recording.life import Life
 from ..tasks.outcome import Status
+
+BETWEEN = "  ·  "  # facts in a line
 
 
 def headline(recording: Recording, life: Life) -> tuple[str, str]:
@@ -26,6 +29,8 @@ def headline(recording: Recording, life: Life) -> tuple[str, str]:
         found = _audit(recording)
         mark = "" if found is None or found.stands else ", which fails its audit"
         facts.append(f"fitness {recording.champions[-1].evaluation.fitness:.3f}{mark}")
+        if found is not None and found.stands and len(found.runs) > 1:
+            facts.append("audit: " + ", ".join(f"{run.fitness:.3f} {run.name}" for run in found.runs[1:]))
     if len(life.time):
         facts.append(f"{life.position.shape[1]} cells, {len(life.chambers)} chambers")
         seconds, away = life.time[-1] - life.time[0], life.target_distance[np.isfinite(life.target).all(axis=1)] if len(life.target) else []
@@ -38,20 +43,22 @@ def headline(recording: Recording, life: Life) -> tuple[str, str]:
         facts.append(f"gait: {gait.name}")
     if recording.truncated:
         facts.append("the end of the recording is missing")
-    return name_of(recording.path), "  ·  ".join(facts)
+    if len(holes(life.time)):
+        facts.append("states are missing in the middle")
+    return name_of(recording.path), BETWEEN.join(facts)
 
 
 def name_of(path: Path) -> str:
     """A recording's name: its directory's, or its file's without the ending."""
     path = path.resolve()
-    return path.stem if path.suffix == ".mcap" else path.name
+    return path.stem if path.suffix in (".mcap", ".db3") else path.name
 
 
 def markdown(recording: Recording, life: Life) -> str:
     """All of it, as Markdown."""
     parts = [f"# {name_of(recording.path)}"]
-    if recording.truncated:
-        parts.append("*The end of this recording is missing; this is what was saved.*")
+    missing = words_of_holes(life.time)
+    parts += [f"*{line}.*" for line in (*recording.notes, *([missing] if missing else []))]
     if recording.champions:
         parts.append(_champion(recording.champions[-1], _audit(recording)))
     if len(life.time):
@@ -91,7 +98,7 @@ def _champion(champion: msg.Champion, audit: msg.Audit | None) -> str:
         "chambers": metrics.chambers, "distance, m": f"{metrics.distance:.4g}",
         "in the second half, m": f"{metrics.distance_second_half:.4g}",
         "activation amplitude": f"{metrics.activation_amplitude:.3g}",
-        "audit": _verdict(audit),
+        "audit": _verdict(audit), **_runs(audit),
     }
     steering = metrics.steering
     if steering.distance:
@@ -103,9 +110,13 @@ def _champion(champion: msg.Champion, audit: msg.Audit | None) -> str:
 def _verdict(audit: msg.Audit | None) -> str:
     if audit is None:
         return "none"
-    if not audit.stands:
-        return "**failed:** " + "; ".join(audit.faults)
-    return f"the fitness stands: {audit.fitness_finer:.6g} in finer steps, {audit.fitness_higher_order:.6g} by order 5"
+    return "the fitness stands" if audit.stands else "**failed:** " + "; ".join(audit.faults)
+
+
+def _runs(audit: msg.Audit | None) -> dict:
+    """A row for each way in which the life was repeated, by its name."""
+    runs = audit.runs[1:] if audit is not None else ()
+    return {f"audit, {run.name}": f"{run.fitness:.6g}" + (f", {run.cause}" if run.cause else "") for run in runs}
 
 
 def _numbers(message, prefix: str = "") -> dict:

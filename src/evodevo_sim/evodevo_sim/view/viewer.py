@@ -37,12 +37,26 @@ def save(recording: Recording, life: Life, path: str, step=lambda part: None) ->
     from .rerun_log import log_recording
     from .views import blueprint
 
-    stream = rerun.RecordingStream("evodevo")
+    with switched_on():
+        stream = rerun.RecordingStream("evodevo")
+        try:
+            stream.save(path, default_blueprint=blueprint(recording, life))
+            log_recording(stream, recording, life, step)
+        finally:
+            stream.disconnect()
+    if not os.path.getsize(path):
+        raise OutputError("Rerun wrote nothing: unset RERUN in the environment, and try again")
+
+
+@contextmanager
+def switched_on():
+    """Without the switch by which the environment turns all of Rerun off: who asks for a file wants its contents."""
+    switch = os.environ.pop("RERUN", None)
     try:
-        stream.save(path, default_blueprint=blueprint(recording, life))
-        log_recording(stream, recording, life, step)
+        yield
     finally:
-        stream.disconnect()
+        if switch is not None:
+            os.environ["RERUN"] = switch
 
 
 @contextmanager

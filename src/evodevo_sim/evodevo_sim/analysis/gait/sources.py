@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...parameters import Task
+from ...parameters import Scene, Task
 from ...physics.terrain import Ground
 from ...tasks.evaluation import Performance
 from .track import GaitError, Track, World
@@ -16,9 +16,21 @@ def world_of_task(task: Task) -> World:
     return World(**{name: known[name] for name in World.__dataclass_fields__ if name in known})
 
 
+def world_of_scene(scene: Scene | None) -> World:
+    """What a recorded scene says of the world; of the body's material nothing is known."""
+    return World() if scene is None else World(
+        drag_normal=scene.drag_normal, drag_tangential=scene.drag_tangential, gravity=scene.gravity
+    )
+
+
 def ground_of_task(task: Task) -> Ground | None:
     """A walker's ground; None for swimmers."""
-    return Ground(tuple(task.scene.ground_x), tuple(task.scene.ground_y)) if task.has_ground else None
+    return ground_of_scene(task.scene) if task.has_ground else None
+
+
+def ground_of_scene(scene: Scene) -> Ground:
+    """The ground of a world."""
+    return Ground(tuple(scene.ground_x), tuple(scene.ground_y))
 
 
 def parts_of_body(body) -> dict:

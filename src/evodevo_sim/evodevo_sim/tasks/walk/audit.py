@@ -58,9 +58,9 @@ def audit(genome: Genome, task: Task, seed: int, first: Performance, most_change
     result, fitness, *rest = trial(genome, task, others, seed=seed)
     mean, median = float(fitness.mean()), _median(fitness)
     far, own = _median(progress(result.path, task)[0]), evaluation.metrics.distance
-    runs.append(_run(f"{STARTS} other starts", mean, evaluation.fitness, result, *rest, task, body))
+    runs.append(_run(f"mean of {STARTS} other starts", mean, evaluation.fitness, result, *rest, task, body))
     result, fine, *rest = trial(genome, task, others, finer, seed)
-    runs.append(_run(f"those {finer} x finer", float(fine.mean()), mean, result, *rest, task, body))
+    runs.append(_run(f"mean of those, {finer} x finer", float(fine.mean()), mean, result, *rest, task, body))
     faults = list(_faults(runs, evaluation.fitness, median, most_change))
     if not far >= LEAST_SHARE * own:
         faults.append(f"{STARTS} other starts: it walks {far:.4g} m in their median, less than {LEAST_SHARE:g} of {own:.4g} m: it is the start's luck")
@@ -85,7 +85,7 @@ def _run(name, fitness, before, result, ledger, positions, task, body):
 
 
 def _faults(runs, fitness, median, most_change):
-    first, others, fine = runs
+    fine = runs[-1]
     for run in runs:
         if run.cause:
             yield f"{run.name}: {run.cause}"
@@ -97,4 +97,4 @@ def _faults(runs, fitness, median, most_change):
     if not abs(fine.change) <= most_change:
         yield f"{fine.name}: fitness changes by {fine.change:+.2g} of itself, more than {most_change:g}"
     if not median >= LEAST_SHARE * fitness:
-        yield f"{others.name}: their median is {median:.4g}, less than {LEAST_SHARE:g} of the fitness"
+        yield f"{STARTS} other starts: their median is {median:.4g}, less than {LEAST_SHARE:g} of the fitness"

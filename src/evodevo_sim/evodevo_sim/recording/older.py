@@ -1,0 +1,124 @@
+"""Messages of other versions of evodevo as messages of ours, field by field by name, as far as that is true."""
+
+from __future__ import annotations
+
+from array import array
+
+from evodevo_msgs import msg
+
+from ..parameters import TASKS, Task, default_task
+from ..ros.messages import task_message
+from .schema import Difference
+
+# Fields without which a message of ours says nothing; of messages of other packages all are.
+_NEEDED = {
+    "Audit": {"generation", "stands"},
+    "AuditRun": {"name", "fitness"},
+    "Body": {"cells", "spring_a", "spring_b", "chamber_start", "chamber_cell", "outline_a", "outline_b"},
+    "CellStates": {"header", "position_x", "position_y", "velocity_x", "velocity_y", "activation"},
+    "Champion": {"generation", "genome", "evaluation"},
+    "Evaluation": {"fitness", "status"},
+    "Evolution": {"task", "seed"},
+    "Gait": {"name"},
+    "GenerationStatistics": {"generation", "best", "median"},
+    "Genome": {"kind", "sign", "x", "y"},
+    "Metrics": set(),
+    "Scene": {"gravity", "ground"},
+    "Task": {"name"},
+    "Vertex": {"x", "y"},
+}
+# Definitions that types of ours have had, by their name and hash: a channel with this hash holds such messages, whatever its schema says.
+BEFORE = {
+    ("evodevo_msgs/msg/Audit", "RIHS01_9e7b6b32347ae097e064a7ff9fc4ca1d6d7e80623a6408a350a0e449b53c490b"): """\
+builtin_interfaces/Time stamp
+uint32 generation
+bool stands
+string[] faults
+float64 fitness
+float64 fitness_finer
+float64 fitness_higher_order
+float64 unexplained
+""",
+}
+_SETTINGS = {"Task", "Development", "Material", "Scene", "Noise", "Chemotaxis"}  # what is missing there has its default
+_ABSENT = {"Steering"}  # all 0 where there was none
+# Fields that other versions have, and `_upgraded` makes use of; and those that it fills by them.
+_USED = {("Audit", "fitness_finer"), ("Audit", "fitness_higher_order"), ("Audit", "unexplained")}
+_FILLED = {("Audit", "runs")}
+
+
+def lacking(difference: Difference) -> str:
+    """Why a type that differs cannot be read truthfully, or nothing."""
+    if difference.other:
+        return difference.other
+    for name, field in difference.missing:
+        package, _, stem = name.partition("/")
+        if package != "evodevo_msgs" or field in _NEEDED.get(stem, ()):
+            return f"{name}.{field} is missing"
+    return ""
+
+
+def words_of(difference: Difference) -> list[str]:
+    """What is missing and what is ignored, where that matters to a reader."""
+    used = {pair for pair in ((name.rpartition("/")[2], field) for name, field in difference.ignored) if pair in _USED}
+    found = []
+    for name, field in difference.missing:
+        stem = name.rpartition("/")[2]
+        if not (used and (stem, field) in _FILLED):
+            found.append(f"{stem}.{field} is missing ({'its default is taken' if stem in _SETTINGS else 'not known'})")
+    found += [f"{name.rpartition('/')[2]}.{field} is ignored" for name, field in difference.ignored
+              if (name.rpartition("/")[2], field) not in used]
+    return found
+
+
+def message_of(decoded, message_type):
+    """A message of ours from one that was decoded by its own schema."""
+    return _filled(message_type(), decoded)
+
+
+def _filled(message, decoded):
+    stem = type(message).__name__
+    if stem == "Task":
+        message = task_message(default_task(decoded.name) if decoded.name in TASKS else Task())
+    for name, kind in message.get_fields_and_field_types().items():
+        before = getattr(message, name)
+        if not hasattr(decoded, name):
+            if kind == "double" and stem not in _SETTINGS | _ABSENT:
+                setattr(message, name, float("nan"))
+            continue
+        value = getattr(decoded, name)
+        if isinstance(before, array):
+            value = array(before.typecode, value)
+        elif hasattr(before, "get_fields_and_field_types"):
+            value = _filled(before, value)
+        elif kind.startswith("sequence<evodevo_msgs/"):
+            part = getattr(msg, kind.removesuffix(">").rpartition("/")[2])
+            value = [_filled(part(), one) for one in value]
+        elif isinstance(before, float):
+            value = float(value)
+        setattr(message, name, value)
+    if stem == "Audit" and not hasattr(decoded, "runs"):
+        message.runs = _unnamed_runs(decoded)
+    return message
+
+
+def _unnamed_runs(decoded) -> list[msg.AuditRun]:
+    """The runs of an audit that told them by position, under names that say no more than that (see `named`)."""
+    nan = float("nan")
+    first = getattr(decoded, "fitness", nan)
+    runs = [msg.AuditRun(name="as evolved", fitness=first, sustained=nan, unexplained=getattr(decoded, "unexplained", nan))]
+    for name in ("fitness_finer", "fitness_higher_order"):
+        if hasattr(decoded, name):
+            runs.append(msg.AuditRun(name=name, fitness=getattr(decoded, name), change=nan, sustained=nan, unexplained=nan))
+    return runs
+
+
+def named(audit: msg.Audit, task: str) -> None:
+    """Give the runs of an audit that told them by position the names that they had in that task."""
+    names = {"fitness_finer": "finer steps", "fitness_higher_order": "order 5, adaptive"}
+    if task == "walk":  # what stood there were means over other starts
+        names = {"fitness_finer": "mean of other starts", "fitness_higher_order": "mean of those in finer steps"}
+    elif not task:
+        names = {"fitness_finer": "second run, name not recorded", "fitness_higher_order": "third run, name not recorded"}
+    for run in audit.runs:
+        run.name = names.get(run.name, run.name)
