@@ -8,13 +8,15 @@ from evodevo_sim.parameters import Checked, parameter
 
 from evodevo_sim import ParameterError
 
+UNLIMITED = 1_000_000_000  # generations: more than any run takes, so that patience ends it
+
 
 @dataclass(frozen=True)
 class Settings(Checked):
     """The genetic algorithm's numbers, and the random genomes that it starts from."""
 
     population: int = parameter(100, 2, 1_000_000, "", "individuals")
-    generations: int = parameter(50, 1, 1_000_000_000, "", "to run at the most")
+    generations: int = parameter(50, 1, UNLIMITED, "", "to run at the most")
     patience: int = parameter(500, 1, 1_000_000_000, "", "generations without improvement that end a run")
     elite: int = parameter(2, 1, 1_000_000, "", "best individuals, of each layer or niche, that live on unchanged")
     tournament: int = parameter(4, 1, 1_000_000, "", "individuals drawn to choose a parent")
@@ -63,10 +65,11 @@ class Settings(Checked):
         return layer
 
 
-# What differs from the defaults of Settings, by scheme.  "paper": its section 3, and what its authors' saved files fit.
+# What differs from the defaults of Settings, by scheme.  "paper": its section 3, which ends a run after 500 generations without
+# improvement and not before, and what its authors' saved files fit.
 SCHEMES: dict[str, dict[str, float]] = {
     "panmictic": {},
-    "paper": {"tournament": 2, "point_mutation": 0.1, "point_scale": 3.0, "flip": 0.0},
+    "paper": {"generations": UNLIMITED, "tournament": 2, "point_mutation": 0.1, "point_scale": 3.0, "flip": 0.0},
     "alps": {"layers": 5},
     "niches": {"niches": 5, "founders": 1000, "point_decades": 1.0, "tournament": 2},
 }

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from .physics.terrain import fault
 
 VARIANTS = ("continual_graph", "graph_at_end")
+FITNESSES = ("sustained", "distance")
 PROFILES = ("ground_x", "ground_y", "ceiling_x", "ceiling_y")
 
 
@@ -144,6 +145,7 @@ class Task(Checked):
     """What a genome is evaluated for: growth, then locomotion in a scene (paper section 4)."""
 
     name: str = "swim"
+    fitness: str = "sustained"  # one of FITNESSES; the empty text of a message that does not say is the default
     development: Development = Development()
     material: Material = Material()
     scene: Scene = Scene()
@@ -163,6 +165,11 @@ class Task(Checked):
         super().__post_init__()
         if self.name not in TASKS:
             raise ParameterError(f"task {self.name!r} is unknown: choose one of {', '.join(TASKS)}")
+        object.__setattr__(self, "fitness", self.fitness or FITNESSES[0])
+        if self.fitness not in FITNESSES:
+            raise ParameterError(f"task.fitness is {self.fitness!r}: choose one of {', '.join(FITNESSES)}")
+        if self.fitness == "distance" and self.name == "chemotaxis":
+            raise ParameterError("task.fitness is 'distance': leave it at 'sustained' where the task is chemotaxis, which is scored by tests with targets")
         if self.windows % 2:
             raise ParameterError(f"task.windows is {self.windows}: give an even number, so that the run has two halves")
         if self.name == "walk" and self.noise.sensing:
@@ -210,6 +217,7 @@ def with_settings(task: Task, values: dict[str, object]) -> Task:
     Values may be text, as from a command line.  Raises ParameterError that names the setting and the nearest known one.
     """
     for name, value in values.items():
+        name = name.removeprefix("task.")
         part, _, field_name = name.rpartition(".")
         target = getattr(task, part, None) if part else task
         known = {f"{part}.".lstrip(".") + f.name: f for f in dataclasses.fields(target)} if isinstance(target, Checked) else {}

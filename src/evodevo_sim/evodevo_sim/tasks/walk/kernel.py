@@ -27,9 +27,10 @@ from ...brain.scent import Signals, disturb
 from ...development.growth import REST
 from ...genetics.regulation import unrest
 from ...kernels.jit import kernel, lean
-from ...physics.control_step import INVERTED, MOST_DOUBLINGS, SOUND, copy_state, judge
+from ...physics.control_step import INVERTED, MOST_DOUBLINGS, SOUND, copy_state, finer_may_help, judge
 from ...physics.energy import stored_energy
 from ...physics.integrators import System, Work, euler
+from ...physics.rates import MOST_SUBSTEPS
 from ...physics.stability import EULER, bounds, longest_step
 from ...physics.terrain import clearance
 
@@ -95,26 +96,24 @@ def lay_down(walker, heading):
 
 @lean
 def move(walker, seconds):
-    """Carry the body over one control step; where that is not sound, again with twice the steps, at most three times."""
+    """Carry the body over one control step; where that is not sound, again with twice the steps: see `physics.finer_may_help`."""
     life, system, work, ledger = walker.life, walker.system, walker.work, walker.ledger
     position, velocity, scratch = life.position, life.velocity, life.scratch
     copy_state(position, velocity, scratch.start_position, scratch.start_velocity)
     for k in range(ledger.size):
         work.power[k] = ledger[k]
-    outcome = SOUND
-    for doubling in range(MOST_DOUBLINGS + 1):
-        if doubling:
-            copy_state(scratch.start_position, scratch.start_velocity, position, velocity)
-            for k in range(ledger.size):
-                ledger[k] = work.power[k]
-        steps = walker.steps << doubling
+    doubling, steps = 0, walker.steps
+    while True:
         h = seconds / steps
         for _ in range(steps):
             euler(system, 0.0, h, position, velocity, work, ledger)
         outcome = judge(life.body, position, velocity, h, scratch)
-        if outcome == SOUND:
-            break
-    return outcome
+        if outcome == SOUND or not finer_may_help(outcome, doubling, steps, MOST_DOUBLINGS, MOST_SUBSTEPS):
+            return outcome
+        doubling, steps = doubling + 1, 2 * steps
+        copy_state(scratch.start_position, scratch.start_velocity, position, velocity)
+        for k in range(ledger.size):
+            ledger[k] = work.power[k]
 
 
 @lean
