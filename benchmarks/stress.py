@@ -32,7 +32,7 @@ from evodevo_sim.physics.energy import stored_energy
 from evodevo_sim.physics.forces import Law, make_scratch, set_rest_lengths
 from evodevo_sim.physics.integrators import carry_adaptively, make_system, make_work
 from evodevo_sim.physics.rates import MOST_SUBSTEPS, choose_substeps, substeps_in_drag
-from evodevo_sim.physics.replayed_motion import DOUBLINGS, carry_soundly, follow
+from evodevo_sim.physics.replayed_motion import DOUBLINGS, MOST_STEPS, carry_soundly, follow
 from evodevo_sim.physics.stability import ADAPTIVE, EULER, INTEGRATORS, RK4, VERLET, bounds, choose_steps
 from random_bodies import random_body, random_muscles, random_parameters
 from tqdm import tqdm
@@ -167,7 +167,7 @@ def _ledger(system, method, bound, finer, tolerance, time_, position, velocity, 
             used += evaluations
         else:
             count = finer * choose_steps(system, method, bound, position, velocity, seconds)
-            carry_soundly(system, method, time_[k], seconds, count, DOUBLINGS, position, velocity, work, ledger)
+            carry_soundly(system, method, time_[k], seconds, count, DOUBLINGS, position, velocity, work, ledger, MOST_STEPS)
         most = max(most, energy(time_[k + 1]))
     gap = energy(time_[-1]) - begin - ledger.sum()
     if method == ADAPTIVE:  # each step may be wrong by the tolerance in every place and speed

@@ -2,8 +2,12 @@
 
 import numpy as np
 import pytest
+from evodevo_sim.brain.life import develop
 from evodevo_sim.development.gabriel import gabriel_graph
-from genomes import dividing, first_viable, hand_made
+from evodevo_sim.genetics.genome import MORPHOGEN, OUTPUTS
+from evodevo_sim.genetics.regulation import activation
+from evodevo_sim.tasks.swim.fitness import kernel_arguments
+from genomes import FAR, dividing, first_viable, hand_made, unit
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -86,3 +90,32 @@ def test_random_genomes_always_grow_to_something_finite(variant, seed):
 def test_impossible_settings_are_named(name, value):
     with pytest.raises(ParameterError, match=name):
         Development(**{name: value})
+
+
+def test_a_newborns_morphogen_reaches_others_after_its_delay():
+    """Variant A of two cells, in closed form: what a cell perceives at t is c(t - d/v) / (1 + d/range) of each, 0 from before a birth."""
+    place = (0.0, 5 * FAR)
+    genome = hand_made(
+        {"constant": (1, 0.0, 0.0), "division": (1, 0.0, 0.0), "expansion": (1, *place)}, [unit([(1, 0.0, 0.0)], [(MORPHOGEN, 1, *place)])]
+    )
+    speed, far, rate = 0.05, 1.0, 0.3
+    shape = dict(variant="graph_at_end", max_cells=2, morphogen_speed=speed, morphogen_range=far, regulation_rate=rate)
+    made = lambda t: activation(10.0) * (1.0 - (1.0 - rate) ** t)  # noqa: E731
+    growth = life(genome, **shape, steps=60).growth
+    born = int(np.isfinite(growth[:, 1, 0]).argmax())
+    heard = []
+    for steps in range(1, 60):
+        arguments = kernel_arguments(genome, Task(development=Development(**shape, steps=steps)))
+        none = np.empty((0, 0, 0)), np.empty((0, 0)), np.empty((0, 0, 0), np.int64)
+        _, units, embryo = develop(arguments[0], arguments[2], arguments[3], arguments[6], *none)
+        t = steps - 1  # when the last step began
+        if t < born:
+            continue
+        distance = np.linalg.norm(growth[t, 1] - growth[t, 0])
+        then = t - int(distance / speed)
+        factor = 1.0 / (1.0 + distance / far)
+        perceived = embryo.table[units + OUTPUTS, :2]
+        heard.append(then >= born)
+        assert perceived[0] == pytest.approx(made(t) + factor * (made(then) if then >= born else 0.0), abs=1e-12), t
+        assert perceived[1] == pytest.approx(made(t) + factor * (made(then) if then >= 0 else 0.0), abs=1e-12), t  # of its mother
+    assert born > 0 and heard.count(False) >= 10 and heard.count(True) >= 10  # both sides of the delay were looked at

@@ -10,13 +10,15 @@ import pytest
 from evodevo_ga.arguments import parse
 from evodevo_ga.fleet import BATCH, batches, find_simulators
 from evodevo_ga.in_process import evaluate_all
+from evodevo_ga.settings import UNLIMITED
 from evodevo_sim.parameters import with_settings
 from evodevo_sim.recording import read_recording
 from evodevo_sim.recording.life import life_of
+from evodevo_sim.tasks.evaluation import invalid
 from evodevo_sim.view.summary import headline, markdown
 from lab import DEADLINE, Operator, simulators
 
-from evodevo_ga import Evolution, Settings
+from evodevo_ga import Evolution, Settings, scheme
 from evodevo_sim import Task, evaluate, load_genome
 
 SMALL = ["--generations", "4", "--population", "14", "--cells", "8", "--seed", "3", "--set", "control_steps=80"]
@@ -73,6 +75,34 @@ def test_a_layered_run_through_nodes_is_recorded_with_its_settings(tmp_path):
     assert (recording.settings.layers, recording.settings.age_gap) == (2, 2)
     assert [(s.best, s.diversity) for s in recording.statistics] == [(g.best, g.diversity) for g in history]
     assert load_genome(tmp_path / "run/champion.yaml") == evolution.champion.genome
+
+
+def test_a_run_in_which_nothing_lives_says_so_and_ends_with_exit_code_1(tmp_path):
+    code, stdout, stderr = run("--simulators", "1", "--quiet", "--set", "development.division_threshold=0.9999999", out=tmp_path / "run")
+    said = [line for line in stderr.splitlines() if line.startswith("evolve: ")]
+    assert code == 1 and len(said) == 1 and len(said[0]) <= 300
+    assert "nothing viable evolved: all of the last" in said[0] and "the egg never divided" in said[0]
+    assert "Champion: fitness" not in stdout and "Best of those that failed: fitness -2.000" in stdout
+    assert read_recording(tmp_path / "run").champions[-1].evaluation.cause == "the egg never divided"  # it can be looked into
+
+
+def test_a_run_for_plain_distance_is_recorded_as_one(tmp_path):
+    code, _, stderr = run("--simulators", "1", "--quiet", "--set", "task.fitness=distance", "--generations", "2", out=tmp_path / "run")
+    recording = read_recording(tmp_path / "run")
+    best = recording.champions[-1].evaluation
+    assert code == 0, stderr
+    assert recording.settings.task.fitness == "distance" and best.fitness == best.metrics.distance
+
+
+def test_the_papers_scheme_ends_by_patience_alone():
+    assert parse(["--scheme", "paper"]).settings.generations == UNLIMITED
+    assert parse(["--scheme", "paper", "--generations", "7"]).settings.generations == 7
+    assert parse([]).settings.generations == 50
+    evolution = Evolution(Settings(**scheme("paper") | {"population": 10, "patience": 60}), 1)
+    while not evolution.finished:
+        genomes = evolution.ask()
+        evolution.tell([invalid("of no use")] * len(genomes))
+    assert evolution.generation == evolution.stagnation == 60  # beyond the 50 of other schemes
 
 
 def test_champions_that_fail_their_audit_are_marked_and_change_nothing_else(tmp_path, in_process):

@@ -259,3 +259,23 @@ def test_uneven_frames_are_no_trouble():
     uneven = dataclasses.replace(whole, time=whole.time[kept], position=whole.position[kept], activation=whole.activation[kept])
     gait = analyse(uneven).gait
     assert gait.name == "undulation" and gait.frequency == pytest.approx(gaits.FREQUENCY, rel=1e-2)
+
+
+@pytest.mark.parametrize("make", [gaits.undulating, gaits.peristaltic], ids=lambda make: make.__name__)
+def test_a_gait_far_from_the_origin_is_the_gait_there(make):
+    here, there = (analyse(moved(made(make), shift=shift)) for shift in ((0.0, 0.0), (-9e5, 9e5)))
+    assert here.gait.name == there.gait.name
+    for field in dataclasses.fields(here.gait):
+        a, b = getattr(here.gait, field.name), getattr(there.gait, field.name)
+        if isinstance(a, float) and np.isfinite(a):
+            assert b == pytest.approx(a, rel=1e-3, abs=1e-5), field.name
+
+
+def test_work_done_far_from_the_origin_is_the_work_there():
+    at = np.array([(0, 0), (1, 0), (0.5, 0.9), (1.5, 0.9)])
+    drive = {"activation": {"amplitude": 0.3, "frequency": 1.0, "phase": [0, 1, 2, 3]}}
+    ledgers = []
+    for shift in (0.0, 5e5):
+        own = make_own_body({"position": (at + shift).tolist(), **drive})
+        ledgers.append(dataclasses.astuple(work_of(track_of_motion(own, simulate_body(own, "swim", 1.0)))))
+    assert ledgers[1] == pytest.approx(ledgers[0], rel=1e-4, abs=1e-4)

@@ -299,3 +299,16 @@ def test_settling_ends_at_rest_where_the_centre_of_mass_was(seed, cells):
     assert not velocity.any()
     left = np.abs(accelerations_of(body, LAW, position, velocity, rest)).max()
     assert left <= 1e-3 if steps < 2000 else np.isfinite(left)
+
+
+@pytest.mark.parametrize("drag", [1e3, 4e4, 1e6])
+def test_a_body_at_rest_that_is_driven_against_drag_ends_where_fine_steps_take_it(drag):
+    body = random_body(np.random.default_rng(3), 12)
+    position, velocity, rest = state_of(body)
+    state = position, velocity, rest * np.random.default_rng(4).uniform(0.9, 1.1, rest.shape)
+    thick = LAW._replace(drag_normal=drag, drag_tangential=drag / 200)
+    assert choose_substeps(body, thick, 1 / 60) == 1  # at rest there is no drag to choose steps by
+    outcome, p, _ = outcome_of(body, state, thick, substeps=1)
+    fine, q, _ = outcome_of(body, state, thick, substeps=2000)
+    assert outcome == fine == SOUND
+    assert np.abs(p - q).max() < 0.02 * np.abs(q - position).max()

@@ -311,3 +311,91 @@ def test_the_recording_of_a_walk_holds_its_world_and_replay_draws_it(tmp_path, c
     with pytest.raises(SystemExit) as raised:
         main([*walk, "--world", str(tmp_path / "spike.yaml"), "--out", str(tmp_path / "inside")])
     assert raised.value.code == 2 and "an edge of the outline passes through a tip of the world" in capsys.readouterr().err
+
+
+# --- at the rim of what numbers hold -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("scale, drag", [(1.0, 1e5), (1.0, 1e6), (30.0, 40.0), (300.0, 40.0)])
+def test_a_body_of_any_size_moves_from_rest_against_any_drag(scale, drag):
+    """From rest, steps cannot follow from drag: it is 0 there, and thousands of times the rate of the body a moment later."""
+    document = {
+        "position": (scale * np.array([(0, 0), (1, 0), (0.5, 0.9), (1.5, 0.9)])).tolist(), "scene": {"drag_normal": drag},
+        "activation": {"amplitude": 0.3, "frequency": 1.0, "phase": [0, 1, 2, 3]},
+    }
+    motion = simulate_body(make_own_body(document), "swim", 0.2)
+    exact = simulate_body(make_own_body(document), "swim", 0.2, tolerance=1e-8 * scale)
+    assert not motion.cause and not exact.cause and motion.time[-1] == 0.2
+    assert np.abs(motion.position - exact.position).max() < 1e-5 * scale
+
+
+def test_what_blows_up_names_the_flag_that_may_help(monkeypatch):
+    from evodevo_sim.own_body import motion
+    from evodevo_sim.physics.control_step import UNSTABLE
+
+    monkeypatch.setattr(motion, "follow", lambda *_: (UNSTABLE, 0, 0.0))
+    own = make_own_body(SQUARE)
+    assert "--tolerance 1e-6" in simulate_body(own, "swim", 1.0).cause
+    assert "give a shorter dt, or none" in simulate_body(own, "swim", 1.0, dt=0.01).cause
+    assert "--tolerance" not in simulate_body(own, "swim", 1.0, tolerance=1e-6).cause  # which it has
+
+
+def turned_lattice(n=3):
+    c, s = np.cos(0.3), np.sin(0.3)
+    return np.array([(i, j) for i in range(n + 1) for j in range(n + 1)], float) @ np.array([[c, s], [-s, c]])
+
+
+@pytest.mark.parametrize("size", [0.1, 1.0, 100.0])
+@pytest.mark.parametrize("shift", [(2e4, 0.0), (-9e5, 9e5), (0.0, 3e5)])
+def test_a_body_is_the_same_wherever_it_is(size, shift):
+    """Squares are ties of the Gabriel graph; areas as products of coordinates would be off by more than the whole body."""
+    position = size * turned_lattice()
+    at = np.arange(len(position))
+    faces = [[k, k + 4, k + 5, k + 1] for k in at if k % 4 < 3 and k < 12]
+    document = {"activation": {"amplitude": 0.2, "frequency": 1.0, "phase": (0.9 * at).tolist()}}
+    for chambers in ("faces", [list(map(int, face)) for face in faces]):
+        here, there = (make_own_body({**document, "position": p.tolist(), "chambers": chambers}) for p in (position, position + shift))
+        assert len(here.body.rest_length) == 24 and len(here.body.polygon_area) == 9
+        for a, b in zip(here.body, there.body):
+            assert np.array_equal(np.asarray(a).shape, np.asarray(b).shape)
+        assert np.array_equal(here.body.spring_a, there.body.spring_a) and np.array_equal(here.body.spring_b, there.body.spring_b)
+        assert there.body.polygon_area == pytest.approx(here.body.polygon_area, rel=1e-7)
+    ways = [(m.position[-1] - m.position[0]) for m in (simulate_body(own, "swim", 0.5) for own in (here, there))]
+    assert ways[1] == pytest.approx(ways[0], abs=1e-5 * size)
+
+
+def test_a_graph_of_many_cells_far_off_is_that_at_the_origin():
+    position = turned_lattice(15)  # by the tree
+    here, there = (make_own_body({"position": (position + shift).tolist()}).body for shift in (0.0, 7e5))
+    assert len(here.rest_length) == 480
+    assert np.array_equal(here.spring_a, there.spring_a) and np.array_equal(here.spring_b, there.spring_b)
+
+
+def test_coordinates_that_cannot_hold_a_shape_are_refused():
+    document = {"position": (1e-5 * turned_lattice() + 9e5).tolist()}
+    with pytest.raises(ValueError, match="coordinates of up to 9e\\+05 m are too coarse for cells that are 1e-05 m apart") as caught:
+        make_own_body(document)
+    assert len(str(caught.value)) <= 300
+    assert make_own_body({"position": (1e-5 * turned_lattice()).tolist()})
+
+
+def test_a_line_is_a_line_far_off():
+    line = np.outer(np.arange(40.0), (np.cos(1.0), np.sin(1.0))) + 8e5
+    with pytest.raises(ValueError, match="all cells lie on one line"):
+        make_own_body({"position": line.tolist()})
+
+
+@pytest.mark.parametrize("degrees", [3.0, 8.0, 30.0])
+@pytest.mark.parametrize("start", [0.0, 7.3, 41.7])
+def test_a_body_set_on_a_slope_by_cosine_and_sine_stands_there(tmp_path, degrees, start):
+    t = np.deg2rad(degrees)
+    along, up = np.array([np.cos(t), np.sin(t)]), np.array([-np.sin(t), np.cos(t)])
+    position = [(start + x + 0.5 * y) * along + 0.87 * y * up for y in range(2) for x in range(3)]
+    (tmp_path / "slope.yaml").write_text(f"slope: {degrees}\n")
+    own = make_own_body({"position": [p.tolist() for p in position]})
+    motion = simulate_body(own, "walk", 1.0, world=str(tmp_path / "slope.yaml"))
+    assert not motion.cause
+    assert np.abs(motion.position[-1] - motion.position[0])[:3].max() < 0.02  # below the friction angle its feet stay
+    sunk = make_own_body({"position": [(p - (0, 1e-6)).tolist() for p in position]})
+    with pytest.raises(ValueError, match="start no cell below it"):
+        simulate_body(sunk, "walk", 1.0, world=str(tmp_path / "slope.yaml"))

@@ -2,6 +2,7 @@
 
 import dataclasses
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from evodevo_sim.tasks.outcome import Status
 from evodevo_sim.tasks.swim.fitness import kernel_arguments
 from genomes import beating, dividing, first_viable, hand_made
 
-from evodevo_sim import Development, Scene, Task, evaluate, perform
+from evodevo_sim import Development, Scene, Task, evaluate, load_genome, perform
 
 TASK = Task(development=Development(max_cells=16), control_steps=400)
 
@@ -132,3 +133,12 @@ def test_fast_drag_takes_more_substeps_and_a_scene_without_drag_none():
 def test_strong_drag_ends_no_life(drag):
     evaluation = evaluate(beating(), dataclasses.replace(TASK, scene=Scene(drag_normal=drag, drag_tangential=drag / 200)))
     assert evaluation.status == Status.OK
+
+
+@pytest.mark.parametrize("name", ["undulator", "ribbon"])
+def test_shipped_swimmers_live_in_a_thousand_times_thicker_fluid_as_in_finer_steps(name):
+    genome = load_genome(Path(__file__).parents[1] / f"src/evodevo_sim/champions/{name}.yaml")
+    task = Task(scene=Scene(4e4, 200.0), control_steps=400)
+    found, fine = perform(genome, task), perform(genome, task, finer=8)
+    assert found.evaluation.status == fine.evaluation.status == Status.OK
+    assert np.abs(found.position[-1] - fine.position[-1]).max() < 1e-4

@@ -18,7 +18,7 @@ from evodevo_sim import Genome, GenomeError, ParameterError, Task, load_genome
 
 from .feasible import check
 from .schemes import SCHEMES, default_scheme, scheme, search_of
-from .settings import Settings
+from .settings import UNLIMITED, Settings
 
 _EPILOG = """\
 examples:
@@ -32,6 +32,8 @@ examples:
       one population in which all compete, instead of niches of body shapes
   ros2 run evodevo_ga evolve --task walk --world rough
       a walker on uneven ground (docs/walking.md tells the worlds)
+  ros2 run evodevo_ga evolve --scheme paper --set task.fitness=distance
+      the paper's search, until 500 generations bring nothing, for its plain distance (docs/model.md tells what earns that)
   ros2 run evodevo_ga evolve --set scene.drag_normal=10 --set scene.drag_tangential=0.05
       any number of the model can be set so (docs/model.md lists them)
 
@@ -44,6 +46,7 @@ When there are none, or with --simulators N, evolve starts its own, one per core
 
 The run's directory holds a rosbag2 recording in MCAP and champion.yaml. See it by
   ros2 run evodevo_sim replay DIR
+Exit code: 0; 1 where nothing viable evolved, the best of all having failed; 2 for bad input, or without simulators; 130 where you stopped it.
 """
 
 
@@ -118,7 +121,8 @@ def parse(arguments: list[str]) -> Options:
 
 def _defaults(field) -> str:
     named = {name: known_kind(name).search for name in names()} | {one.name: one.settings for one in SCHEMES.values()}
-    differ = [f"{settings[field.name]} for {name}" for name, settings in named.items() if field.name in settings]
+    words = {UNLIMITED: "without limit"}
+    differ = [f"{words.get(settings[field.name], settings[field.name])} for {name}" for name, settings in named.items() if field.name in settings]
     return ", ".join([str(field.default), *differ])
 
 

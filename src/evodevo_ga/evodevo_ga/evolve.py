@@ -6,6 +6,7 @@ import os
 import signal
 import sys
 import time
+from collections import Counter
 
 import rclpy
 from evodevo_sim.analysis.gait import GaitError, analyse, track_of_performance
@@ -16,6 +17,7 @@ from evodevo_sim.ros.own_simulators import OwnSimulators
 from evodevo_sim.ros.process import stay_on_this_host
 from evodevo_sim.tasks import audit
 from evodevo_sim.tasks.evaluation import prepare
+from evodevo_sim.tasks.outcome import FAILURE, Status
 from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
@@ -29,6 +31,7 @@ from .auditor import Auditor, Finding
 from .evolution import Evolution, Individual
 from .fleet import Fleet, FleetError, find_simulators
 from .messages import audit_message, champion_message, evolution_message, statistics_message
+from .settings import UNLIMITED
 from .times import AUDITS, BREEDING, CHAMPION, EVALUATION, RECORDING, START, Times, table
 
 _DISCOVERY_OF_ALL = 4.0  # s from the node's start to look on where one is found: others' DDS may announce itself every 3 s
@@ -36,6 +39,8 @@ _MORE = 0.5  # s at the least to look, and to wait for another one after each
 _ANSWER = 5.0  # s for a simulator of the graph to answer; one that was killed is listed for a while
 _START = 60.0  # s for one of our own to start
 _NOT_AUDITED = "not audited"
+_BLOWN = "lower drag, stiffness, damping or pressure, or shorten task.control_step, by --set"
+_MEND = {Status.UNSTABLE: _BLOWN, Status.INVERTED: "raise material.pressure, by --set, or give another --seed"}
 
 
 class _Stop:
@@ -146,7 +151,8 @@ class _Run:
 
     def _evolve(self, fleet: Fleet) -> None:
         o = self.options
-        bar = tqdm(total=o.settings.generations, unit="gen", disable=o.quiet, mininterval=0.1 if sys.stderr.isatty() else 5.0)
+        most = None if o.settings.generations == UNLIMITED else o.settings.generations
+        bar = tqdm(total=most, unit="gen", disable=o.quiet, mininterval=0.1 if sys.stderr.isatty() else 5.0)
         with bar:
             while not (self.evolution.finished or self.stop()):
                 began = time.monotonic()
@@ -218,9 +224,12 @@ class _Run:
         with self.times(RECORDING):
             record_performance(self.recorder, performance, time.time_ns())
         m = champion.evaluation.metrics
+        viable = not champion.evaluation.cause
+        if not viable:
+            print(f"evolve: {self._why_nothing_evolved()}", file=sys.stderr)
         print(
             f"{self.evolution.generation + 1} generations, {self.evolution.evaluations} evaluations. "
-            f"Champion: fitness {champion.evaluation.fitness:.3f}, {m.cells} cells, {m.chambers} chambers, "
+            f"{'Champion' if viable else 'Best of those that failed'}: fitness {champion.evaluation.fitness:.3f}, {m.cells} cells, {m.chambers} chambers, "
             f"{m.distance:.2f} cell diameters in all, {m.distance_second_half:.2f} in the second half, "
             f"activation amplitude {m.activation_amplitude:.2f}.\n"
             f"Audit:    {self.verdict}\n"
@@ -231,7 +240,16 @@ class _Run:
         if not self.options.quiet:
             note = f"beside it: {self.auditor.done} audits, {self.auditor.cpu:.1f} s of one core"
             Console().print(table(self.times.seconds(), note))
-        return 130 if self.stop.asked else 0
+        return 130 if self.stop.asked else 0 if viable else 1
+
+    def _why_nothing_evolved(self) -> str:
+        """Of a run whose best individual failed: what most of the last population failed by, and the mend."""
+        population = [one.evaluation for one in self.evolution.population]
+        status, count = Counter(one.status for one in population).most_common(1)[0]
+        return (
+            f"nothing viable evolved: all of the last {len(population)} individuals failed, {count} of them because {FAILURE[status][1]}; "
+            f"{_MEND.get(status, 'give more generations, or another --seed')}"
+        )
 
     def _gait(self, performance) -> str:
         """Find and record the gait of the champion.  Returns: it in words."""

@@ -8,13 +8,15 @@ from evodevo_sim.parameters import Checked, parameter
 
 from evodevo_sim import ParameterError
 
+UNLIMITED = 1_000_000_000  # generations: more than any run takes, so that patience ends it
+
 
 @dataclass(frozen=True)
 class Settings(Checked):
     """The genetic algorithm's numbers, and the random genomes that it starts from."""
 
     population: int = parameter(100, 2, 1_000_000, "", "individuals")
-    generations: int = parameter(50, 1, 1_000_000_000, "", "to run at the most")
+    generations: int = parameter(50, 1, UNLIMITED, "", "to run at the most")
     patience: int = parameter(500, 1, 1_000_000_000, "", "generations without improvement that end a run")
     elite: int = parameter(2, 1, 1_000_000, "", "best individuals, of each layer or niche, that live on unchanged")
     tournament: int = parameter(4, 1, 1_000_000, "", "individuals drawn to choose a parent")

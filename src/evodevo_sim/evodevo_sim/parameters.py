@@ -16,6 +16,7 @@ from .profiles import fault
 from .task_kinds import TaskKind, kind_of, names
 
 VARIANTS = ("continual_graph", "graph_at_end")
+FITNESSES = ("sustained", "distance")
 PROFILES = ("ground_x", "ground_y", "ceiling_x", "ceiling_y")
 
 
@@ -145,6 +146,7 @@ class Task(Checked):
     """What a genome is evaluated for: growth, then locomotion in a scene (paper section 4)."""
 
     name: str = "swim"
+    fitness: str = "sustained"  # one of FITNESSES; the empty text of a message that does not say is the default
     development: Development = Development()
     material: Material = Material()
     scene: Scene = Scene()
@@ -163,6 +165,12 @@ class Task(Checked):
     def __post_init__(self):
         super().__post_init__()
         kind = known_kind(self.name)
+        object.__setattr__(self, "fitness", self.fitness or FITNESSES[0])
+        if self.fitness not in FITNESSES:
+            raise ParameterError(f"task.fitness is {self.fitness!r}: choose one of {', '.join(FITNESSES)}")
+        if self.fitness not in kind.fitnesses:
+            why = ", which is scored by tests with targets" if kind.has_target else ""
+            raise ParameterError(f"task.fitness is {self.fitness!r}: leave it at {kind.fitnesses[0]!r} where the task is {self.name}{why}")
         if self.windows % 2:
             raise ParameterError(f"task.windows is {self.windows}: give an even number, so that the run has two halves")
         for setting, why in kind.unused.items():
@@ -226,6 +234,7 @@ def with_settings(task: Task, values: dict[str, object]) -> Task:
     Values may be text, as from a command line.  Raises ParameterError that names the setting and the nearest known one.
     """
     for name, value in values.items():
+        name = name.removeprefix("task.")
         part, _, field_name = name.rpartition(".")
         target = getattr(task, part, None) if part else task
         known = {f"{part}.".lstrip(".") + f.name: f for f in dataclasses.fields(target)} if isinstance(target, Checked) else {}

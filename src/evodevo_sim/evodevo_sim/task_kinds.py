@@ -33,6 +33,7 @@ class TaskKind:
         kernel: module.function of the kernel that takes longest to compile; audit_kernel: the same of what audits need beyond it.
         defaults: settings that differ from those of `Task`, as `with_settings` takes them.
         has_ground: whether it happens on the ground of its scene, with gravity; has_target: whether there is a scent.
+        fitnesses: what may be counted, as `task.fitness` names it, the usual one first.
         unused: settings that must stay 0, and why.
         needed: settings of which one must be above 0, and why.
         search: numbers of the genetic algorithm that differ for it; scheme: the search that suits it, by name.
@@ -48,6 +49,7 @@ class TaskKind:
     defaults: Mapping[str, object] = field(default_factory=dict)
     has_ground: bool = False
     has_target: bool = False
+    fitnesses: tuple[str, ...] = ("sustained",)
     unused: Mapping[str, str] = field(default_factory=dict)
     needed: tuple[str, ...] = ()
     needed_because: str = ""
@@ -108,13 +110,14 @@ register(TaskKind(
     "swim", "swim far, and on to the end",
     run=f"{_HERE}.swim.fitness:run", begin=f"{_HERE}.swim.fitness:begin",
     audit=f"{_HERE}.swim.audit:audit", kernel="kernel.swim", audit_kernel=_REPEAT, needed=_FLUID, needed_because=_NO_FLUID, scheme="niches",
+    fitnesses=("sustained", "distance"),
 ))
 register(TaskKind(
     "walk", "walk far from where it came to rest",
     run=f"{_HERE}.walk.fitness:run", begin=f"{_HERE}.walk.fitness:begin",
     audit=f"{_HERE}.walk.audit:audit", kernel="kernel.walk",
     defaults={"scene.drag_normal": 0.0, "scene.drag_tangential": 0.0, "scene.gravity": 5.0, "scene.friction": 0.8},
-    has_ground=True, unused={"noise.sensing": "which has no scent"},
+    has_ground=True, fitnesses=("sustained", "distance"), unused={"noise.sensing": "which has no scent"},
     needed=("scene.gravity",), needed_because="a walker would never come to rest on the ground",
 ))
 register(TaskKind(

@@ -30,7 +30,8 @@ examples:
 
 scenes:
   swim   fluid drag; no gravity
-  walk   gravity and ground with Coulomb friction, flat at y = 0 unless --world says otherwise; no drag
+  walk   gravity and ground with Coulomb friction, flat at y = 0 unless --world says otherwise; no drag. Gravity is the Earth's,
+         9.81 m/s^2; that of evolve --task walk is 5: write scene: {gravity: 5} into the body file to live as its walkers do
   free   no ground, and of the other terms those alone that the file's scene names
 
 The NPZ file holds time (T,), position (T, N, 2) and velocity (T, N, 2), float64. The recording holds about 60 frames a second.

@@ -19,7 +19,7 @@ _ROUNDING = 1e-8  # m, above that of the tests and their slack in bodies of up t
 
 
 @lean
-def gabriel_edges(position, cells, witness, edges):
+def gabriel_edges(position, cells, witness, edges, rounding=0.0):
     """Fill `edges` with the pairs (i, j), i < j, of the graph in ascending order.
 
     Args:
@@ -27,6 +27,7 @@ def gabriel_edges(position, cells, witness, edges):
         witness: (>= cells, >= cells) int32 scratch kept between calls: the cell last seen inside the circle of a pair, which
             most often still is; any cell index is a valid start.
         edges: (>= 3 cells, 2) int64, filled.
+        rounding: m, how much farther than by TIE a cell may be outside a circle and still count as on it.
 
     Returns: number of edges.
     """
@@ -35,7 +36,8 @@ def gabriel_edges(position, cells, witness, edges):
         xi, yi = position[i, 0], position[i, 1]
         for j in range(i + 1, cells):
             xj, yj = position[j, 0], position[j, 1]
-            slack = TIE * ((xi - xj) ** 2 + (yi - yj) ** 2)
+            square = (xi - xj) ** 2 + (yi - yj) ** 2
+            slack = TIE * square + rounding * np.sqrt(square)
             k = witness[i, j]
             if k != i and k != j and k < cells:
                 xk, yk = position[k, 0], position[k, 1]
@@ -164,12 +166,12 @@ def adjacency(edges, count, cells, start, neighbour):
 
 
 @kernel
-def gabriel_graph(position):
-    """Edges (E, 2) of the Gabriel graph of (N, 2) positions, i < j, ascending."""
+def gabriel_graph(position, rounding=0.0):
+    """Edges (E, 2) of the Gabriel graph of (N, 2) positions, i < j, ascending.  Args: rounding: see `gabriel_edges`."""
     cells = position.shape[0]
     edges = np.empty((3 * cells + 1, 2), np.int64)
     if cells > _MANY:
-        count = tree_edges(position, edges)
+        count = tree_edges(position, edges, rounding)
     else:
-        count = gabriel_edges(position, cells, np.zeros((cells, cells), np.int32), edges)
+        count = gabriel_edges(position, cells, np.zeros((cells, cells), np.int32), edges, rounding)
     return edges[:count].copy()

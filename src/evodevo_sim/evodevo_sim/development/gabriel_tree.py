@@ -60,9 +60,15 @@ def _plant(position):
 
 
 @lean
-def _inside(xi, yi, xj, yj, xk, yk):
+def _slack(xi, yi, xj, yj, rounding):
+    square = (xi - xj) ** 2 + (yi - yj) ** 2
+    return TIE * square + rounding * np.sqrt(square)
+
+
+@lean
+def _inside(xi, yi, xj, yj, xk, yk, slack):
     """Whether k lies in the closed circle on ij."""
-    return (xi - xk) * (xj - xk) + (yi - yk) * (yj - yk) <= TIE * ((xi - xj) ** 2 + (yi - yj) ** 2)
+    return (xi - xk) * (xj - xk) + (yi - yk) * (yj - yk) <= slack
 
 
 @lean
@@ -83,7 +89,7 @@ def _distance(x, y, box):
 
 
 @lean
-def _candidates(position, i, first, last, box, stack, kx, ky, found):
+def _candidates(position, i, rounding, first, last, box, stack, kx, ky, found):
     """Fill `found` with cells among which are all Gabriel neighbours of i.  Returns their number.  kx, ky: scratch."""
     x, y = position[i, 0], position[i, 1]
     count, lines, top = 0, 0, 1
@@ -101,9 +107,10 @@ def _candidates(position, i, first, last, box, stack, kx, ky, found):
             continue
         for j in range(first[n], last[n]):
             free = j != i
+            slack = _slack(x, y, position[j, 0], position[j, 1], rounding)
             k = 0
             while free and k < lines:
-                free = not _inside(x, y, position[j, 0], position[j, 1], kx[k], ky[k])
+                free = not _inside(x, y, position[j, 0], position[j, 1], kx[k], ky[k], slack)
                 k += 1
             if free:
                 found[count] = j
@@ -115,10 +122,10 @@ def _candidates(position, i, first, last, box, stack, kx, ky, found):
 
 
 @lean
-def _empty(position, i, j, first, last, box, stack):
+def _empty(position, i, j, rounding, first, last, box, stack):
     """Whether no third cell lies in the circle on ij."""
     xi, yi, xj, yj = position[i, 0], position[i, 1], position[j, 0], position[j, 1]
-    slack = TIE * ((xi - xj) ** 2 + (yi - yj) ** 2)
+    slack = _slack(xi, yi, xj, yj, rounding)
     top = 1
     stack[0] = 0
     while top:
@@ -136,13 +143,13 @@ def _empty(position, i, j, first, last, box, stack):
             top += 2
             continue
         for k in range(first[n], last[n]):
-            if k != i and k != j and _inside(xi, yi, xj, yj, position[k, 0], position[k, 1]):
+            if k != i and k != j and _inside(xi, yi, xj, yj, position[k, 0], position[k, 1], slack):
                 return False
     return True
 
 
 @kernel
-def tree_edges(position, edges):
+def tree_edges(position, edges, rounding=0.0):
     """As `gabriel.gabriel_edges`: fill `edges` (>= 3 N, 2) of (N, 2) positions.  Returns their number."""
     cells = position.shape[0]
     order, first, last, box = _plant(position)
@@ -150,9 +157,9 @@ def tree_edges(position, edges):
     stack, found, kx, ky = np.empty(128, np.int64), np.empty(cells, np.int64), np.empty(_LINES), np.empty(_LINES)
     pairs, count = np.empty(edges.shape[0], np.int64), 0
     for i in range(cells):
-        for m in range(_candidates(planted, i, first, last, box, stack, kx, ky, found)):
+        for m in range(_candidates(planted, i, rounding, first, last, box, stack, kx, ky, found)):
             j = found[m]
-            if j > i and _empty(planted, i, j, first, last, box, stack):
+            if j > i and _empty(planted, i, j, rounding, first, last, box, stack):
                 a, b = order[i], order[j]
                 pairs[count] = min(a, b) * cells + max(a, b)
                 count += 1

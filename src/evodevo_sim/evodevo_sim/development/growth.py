@@ -180,7 +180,11 @@ def _metric_edges(position, cells, reach, edges):
 
 @lean
 def remember(network, table, past, step, cells):
-    """Variant A: keep the morphogens of this step.  past (delays, morphogens, cells) is a ring over steps."""
+    """Variant A: keep the morphogens of this step.
+
+    past (delays, morphogens, cells) is a ring over steps.  It holds 0 of every step before a cell's birth: what a newborn makes is a
+    source of its own, which reaches others after its delay, while its mother's goes on.
+    """
     now = past[step % past.shape[0]]
     for row, morphogen in enumerate(network.morphogens):
         for i in range(cells):
@@ -265,10 +269,6 @@ def grow(network, development, continual, history, activations, graphs):
             exchange(network, table, start, neighbour, cells, spread)
         regulate(network, table, drive, cells, development.regulation_rate)
         grown = _divide(position, axis, table, units, cells, development)
-        if not continual:
-            for row in range(past.shape[0]):
-                for i in range(cells, grown):  # a daughter remembers what its mother did
-                    past[row, :, i] = table[network.morphogens, i]
         moved = moved or grown > cells
         if moved:
             if continual:

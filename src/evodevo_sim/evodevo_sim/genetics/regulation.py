@@ -201,6 +201,8 @@ def share_out(start, cells, spread):
 def exchange(network, table, start, neighbour, cells, spread):
     """Variant B: every cell shares each morphogen equally among its graph neighbours, so the total is conserved.
 
+    A cell without neighbours gives nothing: what it makes is perceived by nobody.
+
     Args: start (cells + 1,), neighbour: adjacency lists of the graph; spread: scratch, which `share_out` has seen this graph.
     """
     morphogens, given, received, part = network.morphogens, spread.given, spread.received, spread.part

@@ -24,7 +24,7 @@ import yaml
 from ..development.body import build_body
 from ..development.gabriel import adjacency, gabriel_graph
 from ..parameters import Material
-from .planar import coincident, collinear, crossing, faces_of, shared_side, unreachable
+from .planar import coincident, collinear, crossing, faces_of, rounding, shared_side, too_far, unreachable
 
 KEYS = (
     "position", "velocity", "mass", "springs", "rest_length", "stiffness", "damping", "pressure", "chambers", "activation",
@@ -114,6 +114,11 @@ def make_own_body(document: dict) -> OwnBody:
     pair = coincident(position)
     if pair is not None:
         raise BodyError(f"position[{pair[0]}] and position[{pair[1]}] are the same point: move one of the cells")
+    far = too_far(position)
+    if far is not None:
+        raise BodyError(
+            f"position: coordinates of up to {far[1]:.3g} m are too coarse for cells that are {far[0]:.3g} m apart: move the body to the origin"
+        )
     velocity = _pairs(document, "velocity", cells) if document.get("velocity") is not None else np.zeros((cells, 2))
     mass = _numbers(document, "mass", cells, "cell")
     edges, order = _springs(document.get("springs", "gabriel"), position)
@@ -222,7 +227,7 @@ def _springs(given, position):
     if isinstance(given, str):
         if given != "gabriel":
             raise BodyError(f"springs is {given!r}: give a list of pairs of cells, or gabriel")
-        edges = gabriel_graph(position)
+        edges = gabriel_graph(position, 2.0 * rounding(position))
         return edges, np.arange(len(edges))
     seen: dict[tuple[int, int], int] = {}
     for s, row in enumerate(_list(given, "springs", "pairs of cells, or gabriel")):

@@ -24,6 +24,7 @@ from ..physics.stability import ADAPTIVE, EULER, INTEGRATORS, bounds, choose_ste
 from ..physics.terrain import FLAT, clearance, make_terrain, profile
 from ..worlds import with_world
 from .body_file import BodyError, OwnBody
+from .planar import rounding
 
 SCENES = ("swim", "walk", "free")
 FRAME = 1 / 60  # s between frames where no step is given
@@ -33,6 +34,7 @@ _FINER = {"swim": 8, "walk": 4, "free": 8}  # than stable: errors near 1e-7 m fo
 _BOUND_SLACK = 1.5  # the bound of the frequency lies up to so much above the truth
 _MOST_VALUES = 20_000_000  # frames times cells
 _MOST_STEPS = 10_000  # a frame, before they are made finer
+_TOUCH = 1e-9  # m below the ground, or above the ceiling, that are a rounding of what stands on it
 _CHUNK = 256  # frames between looks at whether the user wants to stop
 _CAUSE = {True: "a chamber turned inside out or a spring collapsed", False: "the physics blew up"}
 
@@ -76,6 +78,8 @@ def simulate_body(own: OwnBody, scene: str = "swim", duration: float = 10.0, *, 
     time = _frames(duration, dt, len(own.velocity))
     bound = bounds(system)
     position, velocity = own.body.position.T.copy(), own.velocity.T.copy()
+    if scene == "walk":  # a rounding below the ground is lifted onto it
+        position[1] += max(0.0, -clearance(system.terrain, own.body.outline, *position)[0])
     if dt is not None:
         longest = longest_step(method, *bound)
         if dt > _BOUND_SLACK * longest:
@@ -87,7 +91,7 @@ def simulate_body(own: OwnBody, scene: str = "swim", duration: float = 10.0, *, 
         )
     cells, frames = len(own.velocity), len(time)
     track = np.empty((frames, cells, 2)), np.empty((frames, cells, 2))
-    track[0][0], track[1][0] = own.body.position, own.velocity
+    track[0][0], track[1][0] = position.T, own.velocity
     work, cause, done, h = make_work(own.body), "", 0, 0.0
     try:
         while done < frames - 1 and not cause:
@@ -96,14 +100,21 @@ def simulate_body(own: OwnBody, scene: str = "swim", duration: float = 10.0, *, 
                 min(done + _CHUNK, frames - 1), position, velocity, work, *track,
             )
             if outcome != SOUND:
-                step = f"steps of {dt:g} s" if dt is not None else "the finest steps"
-                cause = f"{_CAUSE[outcome == INVERTED]} at {time[done]:.6g} s, in {step}"
+                cause = f"{_CAUSE[outcome == INVERTED]} at {time[done]:.6g} s, in {_steps_and_mend(outcome, method, scene, dt)}"
     except KeyboardInterrupt:
         cause = f"stopped by you at {time[done]:.6g} s"
     time = time[: done + 1]
     activation = own.amplitude * np.sin(2 * np.pi * own.frequency * time[:, None] + own.phase)
     terrain = make_world(own, world) if scene == "walk" else None
     return Motion(time, track[0][: done + 1], track[1][: done + 1], activation, cause, INTEGRATORS[method], system, terrain)
+
+
+def _steps_and_mend(outcome, method, scene, dt) -> str:
+    if dt is not None:
+        return f"steps of {dt:g} s: give a shorter dt, or none"
+    if method == ADAPTIVE or scene == "walk" or outcome == INVERTED:
+        return "the finest steps"
+    return "the finest steps: give a tolerance (--tolerance 1e-6), by which steps are chosen from the error"
 
 
 def make_scene(own: OwnBody, scene: str, world: str | None = None) -> System:
@@ -123,7 +134,7 @@ def make_scene(own: OwnBody, scene: str, world: str | None = None) -> System:
         there = make_world(own, world)
         gravity, friction, terrain = there.gravity, there.friction, make_terrain(there)
         _refuse_inside(own.body.position, there)
-        if min(clearance(terrain, own.body.outline, *own.body.position.T)) < -1e-9:
+        if min(clearance(terrain, own.body.outline, *own.body.position.T)) < -_slack(own.body.position):
             raise BodyError("position: an edge of the outline passes through a tip of the world: start the body outside of it")
     drive = (own.amplitude, own.frequency, own.phase) if own.amplitude.any() else None
     return make_system(own.body, Law(*own.stuff, *drag), gravity, friction, scene == "walk", drive, terrain)
@@ -138,15 +149,20 @@ def make_world(own: OwnBody, world: str | None) -> Scene:
 def _refuse_inside(position, scene: Scene):
     x, y = position.T
     ground = profile(scene.ground_x, scene.ground_y, x)
-    below = np.flatnonzero(y < ground)
+    slack = _slack(position)
+    below = np.flatnonzero(y < ground - slack)
     if len(below):
         k = below[0]
         raise BodyError(f"position[{k}][1] is {y[k]:g}: walk has ground at y = {ground[k]:g}, start no cell below it")
     ceiling = profile(scene.ceiling_x, scene.ceiling_y, x) if scene.ceiling_x else np.inf
-    above = np.flatnonzero(y > ceiling)
+    above = np.flatnonzero(y > ceiling + slack)
     if len(above):
         k = above[0]
         raise BodyError(f"position[{k}][1] is {y[k]:g}: the world's ceiling is at y = {ceiling[k]:g}, start no cell above it")
+
+
+def _slack(position) -> float:
+    return _TOUCH + 2.0 * rounding(position)
 
 
 def _method(scene, integrator, dt, tolerance):

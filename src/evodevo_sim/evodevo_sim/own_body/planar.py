@@ -5,11 +5,32 @@ from __future__ import annotations
 import numpy as np
 
 _CLOSE = 1e-9  # of the extent of a body, that counts as no distance
+_COARSE = 1e-6  # of the least distance of two cells, to which coordinates must hold a shape
 _ROWS = 256  # springs compared with all others at a time
 
 
 def _extent(position) -> float:
     return float(np.ptp(position, axis=0).max()) or 1.0
+
+
+def rounding(position) -> float:
+    """How far from what was meant a difference of two coordinates can be, m: far from the origin they hold less of a shape."""
+    return float(2.0 * np.finfo(float).eps * np.abs(position).max())
+
+
+def _close(position, coordinates=1) -> float:
+    """m, that counts as no distance.  Args: coordinates: of how many the distance is made."""
+    return max(_CLOSE * _extent(position), 2.0 * rounding(position) * coordinates**0.5)
+
+
+def too_far(position) -> tuple[float, float] | None:
+    """Where coordinates are too large to hold the shape: (least distance of two cells, largest coordinate), m; or None."""
+    from scipy.spatial import cKDTree  # a third of a second that others need not wait
+
+    if len(position) < 2:
+        return None
+    least = float(cKDTree(position - position.mean(0)).query(position - position.mean(0), 2)[0][:, 1].min())
+    return (least, float(np.abs(position).max())) if rounding(position) > _COARSE * least else None
 
 
 def coincident(position) -> tuple[int, int] | None:
@@ -23,7 +44,7 @@ def coincident(position) -> tuple[int, int] | None:
 def collinear(position) -> bool:
     """Whether all cells lie on one line."""
     centred = position - position.mean(0)
-    return len(position) < 3 or float(np.linalg.svd(centred, compute_uv=False)[1]) < _CLOSE * _extent(position)
+    return len(position) < 3 or float(np.linalg.svd(centred, compute_uv=False)[1]) < _close(position, len(position))
 
 
 def unreachable(edges, cells) -> int | None:
@@ -45,7 +66,7 @@ def unreachable(edges, cells) -> int | None:
 def crossing(position, edges) -> tuple[int, int | None, int | None] | None:
     """The first fault of springs (E, 2): (s, other, None) where two cross, (s, None, cell) where one runs through a cell."""
     a, b = position[edges[:, 0]], position[edges[:, 1]]
-    near = _CLOSE * _extent(position)
+    near = _close(position)
     for first in range(0, len(edges), _ROWS):
         rows = slice(first, first + _ROWS)
         d = (b - a)[rows, None]
@@ -75,7 +96,7 @@ def _side(p, q, r):
 
 def _area(position, row):
     """Signed, positive where the walk goes counter-clockwise."""
-    x, y = position[row].T
+    x, y = (position[row] - position[row[0]]).T  # far from the origin, products of coordinates would hold no area
     return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
 
 

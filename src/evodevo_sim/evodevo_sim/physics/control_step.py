@@ -9,10 +9,10 @@ from __future__ import annotations
 from ..kernels.jit import inlined, kernel, lean
 from ..kernels.vectors import all_at_most, all_below, four, load4_within, store4_within, transpose
 from .forces import Law, accelerate, accelerations, face_area, pack, pack_ahead, sides, span
-from .rates import find_drag_rate, frequency_bound
+from .rates import MOST_SUBSTEPS, find_drag_rate, frequency_bound
 
 SOUND, UNSTABLE, INVERTED = range(3)
-MOST_DOUBLINGS = 3
+MOST_DOUBLINGS = 3  # of the steps of a control step that came out unsound; of an unstable one more: see `finer_may_help`
 STABLE_DRAG = 2.6  # h * (rate of drag) after a substep, up to which RK4 does not overshoot
 _FASTEST = 0.5  # of the shortest rest length, that a cell may move in a substep
 _SHORTEST = 0.05  # of its rest length, that a spring may shrink to
@@ -116,18 +116,29 @@ def copy_state(position, velocity, to_position, to_velocity):
             to_velocity[a, i] = velocity[a, i]
 
 
+@inlined
+def finer_may_help(outcome, doubling, steps, doublings, most):
+    """Whether an unsound interval is to be tried again in twice as many steps.
+
+    Chambers turn inside out in fine steps, too: three doublings settle that.  Where a body blew up, its steps may be far too long:
+    they follow from the drag that it begins with, which is 0 at rest.
+
+    Args: doubling, steps: of the last try; doublings: in any case; most: steps up to which what is unstable is tried.
+    """
+    return doubling < doublings or (outcome == UNSTABLE and 2 * steps <= most)
+
+
 @lean
 def advance(body, law, rest, position, velocity, control_step, substeps, scratch):
-    """Carry a state over one control step, in place; where that fails, again with twice the substeps, at most three times.
+    """Carry a state over one control step, in place; where that fails, again with twice the substeps: see `finer_may_help`.
 
     Returns: SOUND, or what was wrong with the finest try; if SOUND, scratch holds the rate of drag that is reached.
     """
     start_position, start_velocity = scratch.start_position, scratch.start_velocity
     copy_state(position, velocity, start_position, start_velocity)
-    outcome = SOUND
+    outcome, doubling, steps = SOUND, 0, substeps
     pack(position, velocity, scratch.state)
-    for doubling in range(MOST_DOUBLINGS + 1):
-        steps = substeps << doubling
+    while True:
         h = control_step / steps
         for _ in range(steps):
             _runge_kutta(body, law, rest, position, velocity, h, scratch)
@@ -138,12 +149,11 @@ def advance(body, law, rest, position, velocity, control_step, substeps, scratch
             find_drag_rate(body, law, position, velocity, scratch)
             if h * scratch.rate[0] > STABLE_DRAG:
                 outcome = UNSTABLE  # it sped up so much that drag may have overshot
-        if outcome == SOUND:
-            break
-        if doubling < MOST_DOUBLINGS:
-            copy_state(start_position, start_velocity, position, velocity)
-            pack(position, velocity, scratch.state)
-    return outcome
+        if outcome == SOUND or not finer_may_help(outcome, doubling, steps, MOST_DOUBLINGS, MOST_SUBSTEPS):
+            return outcome
+        doubling, steps = doubling + 1, 2 * steps
+        copy_state(start_position, start_velocity, position, velocity)
+        pack(position, velocity, scratch.state)
 
 
 @kernel

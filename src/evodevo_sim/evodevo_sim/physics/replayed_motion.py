@@ -5,21 +5,21 @@ from __future__ import annotations
 import numpy as np
 
 from ..kernels.jit import kernel, lean
-from .control_step import SOUND, UNSTABLE, copy_state
+from .control_step import SOUND, UNSTABLE, copy_state, finer_may_help
 from .energy import least_chamber, stored_energy
 from .forces import set_rest_lengths
 from .integrators import carry, carry_adaptively
 from .mass import centre_of_mass
-from .rates import substeps_in_drag
+from .rates import MOST_SUBSTEPS, substeps_in_drag
 from .stability import ADAPTIVE, RK4, choose_steps, is_sound
 
-DOUBLINGS = 3  # of the steps of a frame that came out unsound
-MOST_STEPS = 100_000  # in a frame, before they are doubled
+DOUBLINGS = 3  # of the steps of a frame that came out unsound; of an unstable one more: see `physics.finer_may_help`
+MOST_STEPS = 100_000  # in a frame, before they are doubled; and in one that is unstable
 
 
 @lean
-def carry_soundly(system, method, t, seconds, steps, doublings, position, velocity, work, ledger):
-    """`carry`, with a look at each step; where one is not sound, again with twice the steps, at most `doublings` times.
+def carry_soundly(system, method, t, seconds, steps, doublings, position, velocity, work, ledger, most=0):
+    """`carry`, with a look at each step; where one is not sound, again with twice the steps: see `physics.finer_may_help`.
 
     Returns: (SOUND or what was wrong with the finest try, steps of that try).
     """
@@ -27,25 +27,23 @@ def carry_soundly(system, method, t, seconds, steps, doublings, position, veloci
     copy_state(position, velocity, start_position, start_velocity)
     for k in range(ledger.size):
         work.power[k] = ledger[k]
-    outcome = SOUND
-    for doubling in range(doublings + 1):
-        if doubling:
-            copy_state(start_position, start_velocity, position, velocity)
-            for k in range(ledger.size):
-                ledger[k] = work.power[k]
-            steps *= 2
+    doubling = 0
+    while True:
         outcome = carry(system, method, t, seconds, steps, position, velocity, work, ledger, True)
-        if outcome == SOUND:
-            break
-    return outcome, steps
+        if outcome == SOUND or not finer_may_help(outcome, doubling, steps, doublings, most):
+            return outcome, steps
+        doubling, steps = doubling + 1, 2 * steps
+        copy_state(start_position, start_velocity, position, velocity)
+        for k in range(ledger.size):
+            ledger[k] = work.power[k]
 
 
 @kernel
 def follow(system, method, bound, steps, finer, tolerance, h, time, first, last, position, velocity, work, track_p, track_v):
     """Carry a state from frame to frame, in place, and keep every frame: in track_p and track_v, (T, N, 2) as users see them.
 
-    Args: steps: in a frame, unrepeated; 0: `finer` times as many as `choose_steps` says, doubled where unsound, at most
-        MOST_STEPS; h: first adaptive step to try, 0: as RK4 would.
+    Args: steps: in a frame, unrepeated; 0: `finer` times as many as `choose_steps` says, doubled where unsound; more than
+        MOST_STEPS are none; h: first adaptive step to try, 0: as RK4 would.
 
     Returns: (outcome; the last sound frame; next adaptive step).
     """
@@ -63,7 +61,8 @@ def follow(system, method, bound, steps, finer, tolerance, h, time, first, last,
             outcome = UNSTABLE
             if count <= MOST_STEPS:
                 outcome, _ = carry_soundly(
-                    system, method, time[k], seconds, count, 0 if steps else DOUBLINGS, position, velocity, work, nothing
+                    system, method, time[k], seconds, count, 0 if steps else DOUBLINGS, position, velocity, work, nothing,
+                    0 if steps else MOST_STEPS,
                 )
         if outcome != SOUND:
             return outcome, k, h
@@ -99,7 +98,7 @@ def repeat(system, method, steps, finer, tolerance, control_step, activation, po
                 outcome = is_sound(system, method, position, velocity, 0.0, work)
         else:
             many = finer * substeps_in_drag(body, law, position, velocity, control_step, steps, work.scratch)
-            outcome, _ = carry_soundly(system, method, 0.0, control_step, many, DOUBLINGS, position, velocity, work, ledger)
+            outcome, _ = carry_soundly(system, method, 0.0, control_step, many, DOUBLINGS, position, velocity, work, ledger, MOST_SUBSTEPS)
         if outcome != SOUND:
             return outcome, np.nan, least
         least = min(least, least_chamber(body, position)[0])

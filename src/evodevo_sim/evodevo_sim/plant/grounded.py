@@ -8,8 +8,9 @@ import numpy as np
 
 from ..brain.scent import Signals
 from ..kernels.jit import kernel, lean
-from ..physics.control_step import MOST_DOUBLINGS, SOUND, copy_state, judge
+from ..physics.control_step import MOST_DOUBLINGS, SOUND, copy_state, finer_may_help, judge
 from ..physics.integrators import System, Work, euler
+from ..physics.rates import MOST_SUBSTEPS
 from ..physics.stability import EULER, bounds, longest_step
 from .contract import Outcome
 from .simulated import BodyState, actuate, read_only
@@ -51,26 +52,24 @@ def make_grounded_state(state, scene, terrain, control_step, finer, moves, ledge
 
 @lean
 def move(grounded, seconds):
-    """Carry the body over one control step; where that is not sound, again with twice the steps, at most three times."""
+    """Carry the body over one control step; where that is not sound, again with twice the steps: see `control_step.finer_may_help`."""
     state, system, work, ledger = grounded.state, grounded.system, grounded.work, grounded.ledger
     position, velocity, scratch = state.position, state.velocity, state.scratch
     copy_state(position, velocity, scratch.start_position, scratch.start_velocity)
     for k in range(ledger.size):
         work.power[k] = ledger[k]
-    outcome = SOUND
-    for doubling in range(MOST_DOUBLINGS + 1):
-        if doubling:
-            copy_state(scratch.start_position, scratch.start_velocity, position, velocity)
-            for k in range(ledger.size):
-                ledger[k] = work.power[k]
-        steps = grounded.steps << doubling
+    doubling, steps = 0, grounded.steps
+    while True:
         h = seconds / steps
         for _ in range(steps):
             euler(system, 0.0, h, position, velocity, work, ledger)
         outcome = judge(state.body, position, velocity, h, scratch)
-        if outcome == SOUND:
-            break
-    return outcome
+        if outcome == SOUND or not finer_may_help(outcome, doubling, steps, MOST_DOUBLINGS, MOST_SUBSTEPS):
+            return outcome
+        doubling, steps = doubling + 1, 2 * steps
+        copy_state(scratch.start_position, scratch.start_velocity, position, velocity)
+        for k in range(ledger.size):
+            ledger[k] = work.power[k]
 
 
 @lean

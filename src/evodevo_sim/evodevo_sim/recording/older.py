@@ -6,8 +6,9 @@ from array import array
 
 from evodevo_msgs import msg
 
-from ..parameters import TASKS, Task, default_task
+from ..parameters import Task, default_task
 from ..ros.messages import task_message
+from ..task_kinds import kind_of
 from .schema import Difference
 
 # Fields without which a message of ours says nothing; of messages of other packages all are.
@@ -79,7 +80,7 @@ def message_of(decoded, message_type):
 def _filled(message, decoded):
     stem = type(message).__name__
     if stem == "Task":
-        message = task_message(default_task(decoded.name) if decoded.name in TASKS else Task())
+        message = task_message(default_task(decoded.name) if kind_of(decoded.name) is not None else Task())
     for name, kind in message.get_fields_and_field_types().items():
         before = getattr(message, name)
         if not hasattr(decoded, name):

@@ -14,7 +14,7 @@ def chamber_areas(position, chambers) -> np.ndarray:
     """(T, C) m^2.  Args: position (T, N, 2) m; chambers: C arrays of cells, counter-clockwise."""
     areas = np.empty((len(position), len(chambers)))
     for k, chamber in enumerate(chambers):
-        x, y = np.moveaxis(position[:, chamber], -1, 0)
+        x, y = np.moveaxis(position[:, chamber] - position[:, chamber[:1]], -1, 0)  # far from the origin, products would hold no area
         areas[:, k] = 0.5 * (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
     return areas
 

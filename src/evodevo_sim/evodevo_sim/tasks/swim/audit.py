@@ -11,7 +11,7 @@ from ..audit import Audit, held, ways_of
 from ..ends import OK
 from ..evaluation import Evaluation, Performance, perform
 from ..repetition import Run, Way, repeat_motion
-from .fitness import score
+from .fitness import motion_of, score
 from .kernel import Swim
 
 
@@ -29,7 +29,7 @@ def _run(genome: Genome, task: Task, seed: int, first: Performance, way: Way) ->
     before = first.evaluation.fitness
     change = (evaluation.fitness - before) / max(abs(before), 1e-12)
     cause = evaluation.cause or ("" if found.outcome == SOUND else "the repeated motion is not sound")
-    sustained = task.windows * evaluation.metrics.slowest_window
+    sustained = motion_of(evaluation.metrics, task)
     return Run(way.name, evaluation.fitness, change, sustained, found.ledger, found.gap, found.chamber, cause)
 
 

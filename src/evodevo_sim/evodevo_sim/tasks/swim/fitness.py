@@ -41,6 +41,11 @@ def run(genome: Genome, task: Task, seed: int, finer: int, track, traces) -> Eva
     return score(swim(*kernel_arguments(genome, task), finer, signals, track, traces), task)
 
 
+def motion_of(metrics: Metrics, task: Task) -> float:
+    """m: the part of a fitness that is motion alone, the sustained distance unless the task counts the plain one."""
+    return metrics.distance if task.fitness == "distance" else task.windows * metrics.slowest_window
+
+
 def slowest_progress(path: np.ndarray) -> float:
     """The shortest way in any window times straightness, the share of the whole way that leads from start to end, m.
 
@@ -68,6 +73,8 @@ def score(result, task: Task) -> Evaluation:
     if failed:
         stiff = status == Status.UNSTABLE and result.failed_step < 0
         return failure(status, metrics, result.failed_step, STIFF if stiff else "")
+    if task.fitness == "distance":  # the paper's, whatever carries the body: docs/model.md tells what earns it
+        return Evaluation(metrics.distance, status, "", metrics)
     # Motion counts only as far as muscles move it, to the end: creeping and coasting with a network at rest earn nothing.
     fitness = result.active * (task.windows * metrics.slowest_window + task.activity_bonus)
     return Evaluation(fitness, status, "", metrics)

@@ -15,7 +15,7 @@ from ..audit import Audit
 from ..evaluation import Performance
 from ..outcome import FAILURE, Status
 from ..repetition import Run
-from .fitness import headings, kernel_arguments, noise, progress, score, start_fitness
+from .fitness import headings, kernel_arguments, moved, noise, progress, score, start_fitness
 from .kernel import walk
 
 STARTS = 16
@@ -80,7 +80,7 @@ def _run(name, fitness, before, result, ledger, positions, task, body):
     failed = [Status(int(s)) for s in result.status if Status(int(s)) in FAILURE and s != Status.UNSETTLED]  # that earns 0
     cause = "" if not failed else f"{len(failed)} of {len(result.status)} starts: {FAILURE[failed[0]][1]}"
     change = (fitness - before) / max(abs(before), 1e-12)
-    sustained = float(task.windows * np.maximum(progress(result.path, task)[2], 0.0).mean())
+    sustained = float(moved(result, task).mean())
     return Run(name, fitness, change, sustained, tuple(ledger.mean(0).tolist()), float(gap.max()), float(chamber), cause)
 
 

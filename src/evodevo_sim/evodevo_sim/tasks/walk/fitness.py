@@ -70,11 +70,18 @@ def progress(path, task: Task):
     return np.abs(way), late, (along[:, None] * np.diff(path, axis=1)).min(1)
 
 
+def moved(result, task: Task) -> np.ndarray:
+    """(S,) m: the part of a fitness that is motion alone, the sustained distance unless the task counts the plain one."""
+    distance, _, slowest = progress(result.path, task)
+    return distance if task.fitness == "distance" else task.windows * np.maximum(slowest, 0.0)
+
+
 def start_fitness(result, task: Task) -> np.ndarray:
-    """(S,) m: what every start earns; nothing where the body did not come to rest."""
-    slowest = np.maximum(progress(result.path, task)[2], 0.0)
-    earned = result.active * (task.windows * slowest + task.activity_bonus)
-    return np.where(result.status == Status.UNSETTLED, 0.0, earned)
+    """(S,) m: what every start earns; nothing where the body did not come to rest, or failed."""
+    earned = moved(result, task)
+    if task.fitness != "distance":
+        earned = result.active * (earned + task.activity_bonus)
+    return np.where(np.isin(result.status, list(FAILURE)), 0.0, earned)
 
 
 def worse_half(earned) -> float:
