@@ -1,9 +1,15 @@
-"""Tests stay on this host and in a ROS domain of their own, however they are started."""
+"""Tests stay on this host and in a ROS domain of their own, however they are started; none compares values that hold NaN by ==."""
 
 import os
 import random
 
 from evodevo_sim.nodes.common import stay_on_this_host
+from values import guard, value_classes
 
 stay_on_this_host()
 os.environ.setdefault("ROS_DOMAIN_ID", str(random.randint(1, 100)))
+
+
+def pytest_runtest_setup():
+    for cls in value_classes():
+        guard(cls)

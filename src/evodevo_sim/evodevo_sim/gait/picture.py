@@ -9,7 +9,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from ..replay.colours import ACCENT, INK, QUIET, SECOND, unit_rgb
-from ..replay.drawing import DIAMETER, bounds, draw_pose, fit, frame, round_length, scale_bar
+from ..replay.drawing import DIAMETER, bounds, draw_pose, fit, frame, round_length, scale_bar, shortened
 from ..replay.figure_file import save_figure
 from ..replay.life import Pose, contrasting_cells
 from ..replay.palettes import DEFAULT, legend_of
@@ -30,7 +30,7 @@ def save_gait(analysis: Analysis, name: str, path, palette: str = DEFAULT) -> No
     with matplotlib.rc_context(STYLE):
         height = _TOP + _STRIP + _GAP + _CURVES + (_GAP + 1.3 if walks else 0.0) + 0.6
         figure = Figure((_WIDTH, height), dpi=_DPI, facecolor="white")
-        title = figure.text(_LEFT / _WIDTH, 1 - 0.42 / height, f"{name}: {headline(analysis.gait)}", fontsize=15, fontweight="bold")
+        title = figure.text(_LEFT / _WIDTH, 1 - 0.42 / height, f"{shortened(name)}: {headline(analysis.gait)}", fontsize=15, fontweight="bold")
         facts = figure.text(_LEFT / _WIDTH, 1 - 0.56 / height, _facts(analysis), fontsize=9.5, color="0.35", va="top")
         fit(title, _WIDTH - 2 * _LEFT)
         fit(facts, _WIDTH - 2 * _LEFT, lines=2)

@@ -98,6 +98,11 @@ def fit(text, width: float, lines: int = 1) -> None:
         text.set_fontsize(text.get_fontsize() * 0.99 * width / wide())
 
 
+def shortened(name: str, letters: int = 48) -> str:
+    """A name of at most as many letters, so that what a title says after it is seen."""
+    return name if len(name) <= letters else f"{name[: letters - 1]}…"
+
+
 def bounds(position) -> tuple[np.ndarray, np.ndarray]:
     """The rectangle around discs at position (..., 2), m, with a margin."""
     points = position.reshape(-1, 2)

@@ -54,6 +54,8 @@ def markdown(recording: Recording, life: Life, palette: str = DEFAULT) -> str:
     Tables hold short values alone, since the viewer cuts their rows at the panel's edge; paragraphs it wraps.
     """
     parts = [f"# {name_of(recording.path)}"]
+    if len(life.time) or life.growth:
+        parts.append(f"**Colours**, by e - c: {legend_of(palette)}.")
     if recording.truncated:
         parts.append("*The end of this recording is missing; this is what was saved.*")
     if recording.champions:
@@ -74,7 +76,6 @@ def markdown(recording: Recording, life: Life, palette: str = DEFAULT) -> str:
         failed = [str(audit.generation) for audit in recording.audits if not audit.stands]
         which = f"failed: those of generations {', '.join(failed)}." if failed else "failed."
         parts.append(f"**Audits:** {len(recording.audits)} champions, {len(failed) or 'none'} {which}")
-    parts.append(f"**Colours**, by e - c: {legend_of(palette)}.")
     if recording.settings:
         parts.append("## Settings\n\n" + _table(_numbers(recording.settings)))
     return "\n\n".join(parts) + "\n"

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from ..turning import Turning
 from .colours import ACCENT, INK, QUIET, SECOND, THIRD, unit_rgb
-from .drawing import DIAMETER, bounds, fit, frame, round_length, scale_bar
+from .drawing import DIAMETER, bounds, fit, frame, round_length, scale_bar, shortened
 from .figure_file import save_figure
 from .palettes import DEFAULT, PALETTES
 from .picture import STYLE
@@ -50,7 +50,7 @@ def _champion(axes, name: str, one: Turning, colour_map) -> None:
         )
         discs.set_array(one.change[side])
         axes[side].add_collection(discs)
-        title = f"{name}: target on the left" if side == 0 else f"target on the right; contracts the {one.side} side"
+        title = f"{shortened(name)}: target on the left" if side == 0 else f"target on the right; contracts the {one.side} side"
         fit(axes[side].set_title(title, fontsize=9.5), 0.85 * _COLUMN, lines=2)
         bar = axes[side].figure.colorbar(discs, ax=axes[side], fraction=0.035, pad=0.02)
         bar.ax.tick_params(labelsize=7.5)
