@@ -2,6 +2,7 @@
 
 import os
 import random
+import sys
 
 from evodevo_sim.nodes.common import stay_on_this_host
 from values import guard, value_classes
@@ -10,6 +11,12 @@ stay_on_this_host()
 os.environ.setdefault("ROS_DOMAIN_ID", str(random.randint(1, 100)))
 
 
+_loaded = 0  # modules, when last looked
+
+
 def pytest_runtest_setup():
-    for cls in value_classes():
-        guard(cls)
+    global _loaded
+    if len(sys.modules) != _loaded:
+        _loaded = len(sys.modules)
+        for cls in value_classes():
+            guard(cls)

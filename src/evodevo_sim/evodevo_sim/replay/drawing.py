@@ -86,16 +86,22 @@ def frame(axes, low, high) -> None:
 
 
 def fit(text, width: float, lines: int = 1) -> None:
-    """Make a matplotlib text fit a width, inches: smaller down to _LEAST of its size, then in lines, the last of which is cut short."""
-    size, wide = text.get_fontsize(), lambda: text.get_window_extent().width / text.figure.dpi
-    if wide() <= width:
-        return
-    text.set_fontsize(max(_LEAST, width / wide()) * size)
-    if wide() > 1.01 * width:  # letters do not grow evenly with their size
-        letters = max(1, int(0.95 * len(text.get_text()) * width / wide()))
-        text.set_text("\n".join(textwrap.wrap(text.get_text(), letters, max_lines=lines, placeholder=" …")))
-    if wide() > width:
-        text.set_fontsize(text.get_fontsize() * 0.99 * width / wide())
+    """Make a matplotlib text fit a width, inches: smaller down to _LEAST of its size, then in lines, the last of which is cut short.
+    Its $ and backslashes are letters as all others."""
+    text.set_parse_math(False)
+    whole, size = text.get_text(), text.get_fontsize()
+    over = _times_as_wide(text, width)
+    if over > 1.0:
+        text.set_fontsize(size * max(_LEAST, 0.99 / over))
+    letters, over = len(whole), _times_as_wide(text, width)
+    while over > 1.0 and letters > 2:
+        letters = max(2, int(letters * min(0.95, 1.0 / over)))
+        text.set_text("\n".join(textwrap.wrap(whole, letters, max_lines=lines, placeholder=" …")))
+        over = _times_as_wide(text, width)
+
+
+def _times_as_wide(text, width: float) -> float:
+    return text.get_window_extent().width / text.figure.dpi / width
 
 
 def shortened(name: str, letters: int = 48) -> str:
