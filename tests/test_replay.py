@@ -133,7 +133,8 @@ def rows(path):
 
 def test_a_rerun_file_holds_every_step(bags, tmp_path, capsys):
     code, out, err = run(capsys, bags / "whole", "--save", tmp_path / "a.rrd")
-    assert code == 0 and not err.split("\r")[-1].strip() and f"rerun --bind 127.0.0.1 {tmp_path / 'a.rrd'}" in out  # bars come where it takes 2 s
+    assert code == 0 and f"rerun --bind 127.0.0.1 {tmp_path / 'a.rrd'}" in out
+    assert not err.split("\r")[-1].strip()  # bars come where it takes 2 s
     count = rows(tmp_path / "a.rrd")
     assert count["/animat/cells"] == count["/animat/centre"] == GROWTH + STEPS
     assert count["/animat/chambers"] == count["/animat/outline"] == count["/plots/distance"] == STEPS
@@ -277,7 +278,10 @@ def test_an_older_file_stays_until_the_new_one_is_whole(bags, tmp_path, capsys, 
 def test_help_teaches(capsys):
     code, out, _ = run(capsys, "--help")
     assert code == 0
-    for word in ("--save", "--picture FILE, --png FILE", "--palette {paper,safe}", "--no-viewer", "ros2 run evodevo_sim replay bags/long", "without a display", "replaced"):
+    for word in (
+        "--save", "--picture FILE, --png FILE", "--palette {paper,safe}", "--no-viewer", "ros2 run evodevo_sim replay bags/long",
+        "without a display", "replaced",
+    ):
         assert word in out
 
 

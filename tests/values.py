@@ -56,7 +56,7 @@ def guard(cls: type) -> None:
     @functools.wraps(generated)
     def __eq__(self, other):
         if other.__class__ is self.__class__ and (holds_nan(self) or holds_nan(other)):
-            raise AssertionError(f"a {cls.__name__} that holds NaN is compared by ==, which Pythons answer differently: see tests/values.py")
+            raise AssertionError(f"a {cls.__name__} that holds NaN is compared by ==, which Pythons answer differently: use values.same")
         return generated(self, other)
 
     if not hasattr(generated, "__wrapped__"):

@@ -30,7 +30,8 @@ def save_gait(analysis: Analysis, name: str, path, palette: str = DEFAULT) -> No
     with matplotlib.rc_context(STYLE):
         height = _TOP + _STRIP + _GAP + _CURVES + (_GAP + 1.3 if walks else 0.0) + 0.6
         figure = Figure((_WIDTH, height), dpi=_DPI, facecolor="white")
-        title = figure.text(_LEFT / _WIDTH, 1 - 0.42 / height, f"{shortened(name)}: {headline(analysis.gait)}", fontsize=15, fontweight="bold")
+        says = f"{shortened(name)}: {headline(analysis.gait)}"
+        title = figure.text(_LEFT / _WIDTH, 1 - 0.42 / height, says, fontsize=15, fontweight="bold")
         facts = figure.text(_LEFT / _WIDTH, 1 - 0.56 / height, _facts(analysis), fontsize=9.5, color="0.35", va="top")
         fit(title, _WIDTH - 2 * _LEFT)
         fit(facts, _WIDTH - 2 * _LEFT, lines=2)
