@@ -13,6 +13,7 @@ from ..recording import Recording
 from ..recording.gait import gait_of_recording
 from ..recording.life import Life
 from ..tasks.outcome import Status
+from .palettes import DEFAULT, legend_of
 
 
 def headline(recording: Recording, life: Life) -> tuple[str, str]:
@@ -47,9 +48,14 @@ def name_of(path: Path) -> str:
     return path.stem if path.suffix == ".mcap" else path.name
 
 
-def markdown(recording: Recording, life: Life) -> str:
-    """All of it, as Markdown."""
+def markdown(recording: Recording, life: Life, palette: str = DEFAULT) -> str:
+    """All of it, as Markdown.  Args: palette: of the cells.
+
+    Tables hold short values alone, since the viewer cuts their rows at the panel's edge; paragraphs it wraps.
+    """
     parts = [f"# {name_of(recording.path)}"]
+    if len(life.time) or life.growth:
+        parts.append(f"**Colours**, by e - c: {legend_of(palette)}.")
     if recording.truncated:
         parts.append("*The end of this recording is missing; this is what was saved.*")
     if recording.champions:
@@ -70,7 +76,6 @@ def markdown(recording: Recording, life: Life) -> str:
         failed = [str(audit.generation) for audit in recording.audits if not audit.stands]
         which = f"failed: those of generations {', '.join(failed)}." if failed else "failed."
         parts.append(f"**Audits:** {len(recording.audits)} champions, {len(failed) or 'none'} {which}")
-    parts.append("**Colours:** blue cells contract, green ones are at rest, red ones expand.")
     if recording.settings:
         parts.append("## Settings\n\n" + _table(_numbers(recording.settings)))
     return "\n\n".join(parts) + "\n"
@@ -86,18 +91,20 @@ def _champion(champion: msg.Champion, audit: msg.Audit | None) -> str:
     evaluation, metrics = champion.evaluation, champion.evaluation.metrics
     status = Status(evaluation.status).name if evaluation.status in list(Status) else str(evaluation.status)
     rows = {
-        "fitness": f"{evaluation.fitness:.4g}", "generation": champion.generation, "status": evaluation.cause or status,
+        "fitness": f"{evaluation.fitness:.4g}", "generation": champion.generation, "status": status,
         "genetic elements": len(champion.genome.kind), "cells": metrics.cells, "springs": metrics.springs,
         "chambers": metrics.chambers, "distance, m": f"{metrics.distance:.4g}",
         "in the second half, m": f"{metrics.distance_second_half:.4g}",
         "activation amplitude": f"{metrics.activation_amplitude:.3g}",
-        "audit": _verdict(audit),
     }
     steering = metrics.steering
     if steering.distance:
         for side in ("left", "right"):
             rows[f"target on the {side}, m"] = f"{steering.distance:.3g} at birth, {getattr(steering, side + '_distance'):.3g} at the end"
-    return "## Champion\n\n" + _table(rows)
+    said = [f"**Audit:** {_verdict(audit)}."]
+    if evaluation.cause:
+        said.insert(0, f"**Failed:** {evaluation.cause}.")
+    return "\n\n".join(["## Champion", _table(rows), *said])
 
 
 def _verdict(audit: msg.Audit | None) -> str:
