@@ -1,7 +1,7 @@
 # evodevo: `make` says what there is.  Every target sets up what is missing first.
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build evolve test bench replay lock clean
+.PHONY: help setup build evolve test bench peers replay lock clean
 MAKEFLAGS += --no-print-directory
 
 in_environment := scripts/run.sh
@@ -12,6 +12,7 @@ help:
 	@echo 'make replay [ARGS="..."]          show a recording: ros2 run evodevo_sim replay ARGS'
 	@echo 'make test [ARGS="..."]            run the tests: pytest tests ARGS'
 	@echo 'make bench [ARGS="..."]           measure: benchmarks/run.py ARGS; ARGS=--quick for a look'
+	@echo 'make peers                        install the other engines that `make bench` compares with'
 	@echo 'make lock                         pin requirements.in in requirements.lock'
 	@echo 'make clean                        remove everything that set-up made'
 
@@ -31,6 +32,9 @@ test: setup
 
 bench: setup
 	@$(in_environment) python benchmarks/run.py $(ARGS)
+
+peers: setup
+	@scripts/peers.sh
 
 lock:
 	@scripts/lock.sh

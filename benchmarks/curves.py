@@ -18,6 +18,8 @@ from pathlib import Path
 
 import matplotlib
 import numpy as np
+from evodevo_sim.view.figure_file import save_figure
+from evodevo_sim.view.files import PICTURES, OutputError, check, whole
 from rich.console import Console
 from rich.table import Table
 
@@ -86,7 +88,8 @@ def draw(curves: dict, of: str, out: str, yardstick: float | None, logarithmic: 
     axes.set_ylim(bottom=0)
     axes.spines[["top", "right"]].set_visible(False)
     axes.legend(frameon=False, title="median and range", loc="upper left", bbox_to_anchor=(1.0, 1.0))  # beside: curves end anywhere
-    figure.savefig(out, dpi=120)
+    with whole(Path(out), *PICTURES) as file:
+        save_figure(figure, file, dpi=120)
     plt.close(figure)
 
 
@@ -112,16 +115,16 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("files", nargs="+", metavar="CSV", help="of search.py --curves")
     parser.add_argument("--of", default="second_half", choices=OF, help="what to draw (default %(default)s)")
-    parser.add_argument("--out", default="curves.png", metavar="PNG", help="(default %(default)s)")
+    says = "a picture, as its ending .png, .svg or .pdf says (default %(default)s)"
+    parser.add_argument("--out", default="curves.png", metavar="FILE", help=says)
     parser.add_argument("--yardstick", type=float, metavar="M", help="draw a line there")
     parser.add_argument("--log", action="store_true", help="a logarithmic axis of evaluations")
     given = parser.parse_args(arguments)
     try:
+        check(Path(given.out), *PICTURES)
         curves, diversities = read(given.files, given.of), read(given.files, "diversity")
-    except CurvesError as error:
+    except (CurvesError, OutputError) as error:
         parser.exit(2, f"curves.py: {error}\n")
-    if not Path(given.out).absolute().parent.is_dir():
-        parser.exit(2, f"curves.py: {given.out}: there is no such directory\n")
     draw(curves, given.of, given.out, given.yardstick, given.log)
     Console(width=None if sys.stdout.isatty() else 120).print(table(curves, given.of, diversities))
     return 0

@@ -4,9 +4,7 @@
     python benchmarks/peers.py [--quick] [--out DIR]
 
 Substeps are not equal work: `what` says what each does.  All must sink onto the ground alike: the mean height after 1 s is
-given.  Engines that are not installed are skipped; none belongs to the project:
-
-    pip install -c requirements.lock -r benchmarks/requirements-peers.txt
+given.  Engines that are not installed are skipped; none belongs to the project, and `make peers` installs them.
 """
 
 from __future__ import annotations
@@ -24,7 +22,7 @@ from tqdm import tqdm
 
 PART = "peers"
 STIFFNESS, DAMPING, GRAVITY, FRICTION, STEP, RADIUS = 400.0, 10.0, 9.81, 0.8, 1e-3, 0.05
-INSTALL = "not installed, skipped: pip install -c requirements.lock -r benchmarks/requirements-peers.txt"
+INSTALL = "`make peers` installs it"
 
 
 def make_body():
@@ -134,12 +132,12 @@ def run(effort, out):
     engines, missing = {}, {}
     for name, (kind, module) in ENGINES.items():
         if module and not importlib.util.find_spec(module):
-            missing[name] = INSTALL
+            missing[name] = f"skipped, not installed: {INSTALL}"
             continue
         try:
             engines[name] = kind(body)
         except ImportError as error:
-            missing[name] = f"skipped, cannot be imported: {str(error).partition(chr(10))[0]}"
+            missing[name] = f"skipped, cannot be imported ({str(error).partition(chr(10))[0]}): {INSTALL}"
     heights, batch = {}, {}
     for name, engine in tqdm(engines.items(), desc="peers: a second of simulated time", leave=False):
         engine.run(round(1.0 / STEP))  # compiled; and fallen onto the ground

@@ -1,9 +1,22 @@
-"""Tests stay on this host and in a ROS domain of their own, however they are started."""
+"""Tests stay on this host and in a ROS domain of their own, however they are started; none compares values that hold NaN by ==."""
 
 import os
 import random
+import sys
 
 from evodevo_sim.ros.process import stay_on_this_host
+from values import guard, value_classes
 
 stay_on_this_host()
 os.environ.setdefault("ROS_DOMAIN_ID", str(random.randint(1, 100)))
+
+
+_loaded = 0  # modules, when last looked
+
+
+def pytest_runtest_setup():
+    global _loaded
+    if len(sys.modules) != _loaded:
+        _loaded = len(sys.modules)
+        for cls in value_classes():
+            guard(cls)

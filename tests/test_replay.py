@@ -134,7 +134,8 @@ def rows(path):
 
 def test_a_rerun_file_holds_every_step(bags, tmp_path, capsys):
     code, out, err = run(capsys, bags / "whole", "--save", tmp_path / "a.rrd")
-    assert code == 0 and not err.split("\r")[-1].strip() and f"rerun {tmp_path / 'a.rrd'}" in out  # bars come where it takes 2 s
+    assert code == 0 and f"rerun --bind 127.0.0.1 {tmp_path / 'a.rrd'}" in out
+    assert not err.split("\r")[-1].strip()  # bars come where it takes 2 s
     count = rows(tmp_path / "a.rrd")
     assert count["/animat/cells"] == count["/animat/centre"] == GROWTH + STEPS
     assert count["/animat/chambers"] == count["/animat/outline"] == count["/plots/distance"] == STEPS
@@ -211,7 +212,7 @@ def test_without_a_display_the_newest_recording_is_saved_beside_it(tmp_path, cap
     recordings.write("bags/new", run=False)
     os.utime("bags/old/old_0.mcap", (1, 1))
     code, out, err = run(capsys)
-    assert (code, err) == (0, "") and "bags/new/new.rrd" in out and "rerun bags/new/new.rrd" in out
+    assert (code, err) == (0, "") and "bags/new/new.rrd" in out and "rerun --bind 127.0.0.1 bags/new/new.rrd" in out
     assert rows("bags/new/new.rrd")["/animat/cells"] == GROWTH + STEPS
     code, out, _ = run(capsys)  # once more: the older file gives way
     assert code == 0 and "bags/new/new.rrd" in out
@@ -245,7 +246,9 @@ def test_a_cut_recording_is_shown_as_far_as_it_goes(tmp_path, capsys):
         (["{}/whole", "--save", "{}/whole/none/a.rrd"], "make the directory"),
         (["{}/whole", "--save", "{}/whole/whole_0.mcap/a.rrd"], "make the directory"),
         (["{}/whole", "--save", "{}/whole"], "ends in .rrd"),
-        (["{}/whole", "--png", "{}/a.jpg"], "ends in .png"),
+        (["{}/whole", "--png", "{}/a.jpg"], "ends in .png, .svg or .pdf"),
+        (["{}/whole", "--picture", "{}/picture"], "ends in .png, .svg or .pdf"),
+        (["{}/whole", "--palette", "grey"], "'paper', 'safe'"),
         (["{}/whole", "--fly"], "--fly (see --help)"),
         (["{}/whole", "{}/life"], "unrecognized arguments"),
         ([], "holds no recording: make one by `ros2 run evodevo_ga evolve`"),
@@ -259,7 +262,7 @@ def test_mistakes_get_one_line_and_exit_code_2(bags, tmp_path, capsys, monkeypat
 
 
 def test_a_file_that_is_something_else_is_never_overwritten(bags, tmp_path, capsys):
-    for name, flag in (("a.rrd", "--save"), ("a.png", "--png")):
+    for name, flag in (("a.rrd", "--save"), ("a.png", "--png"), ("a.svg", "--picture"), ("a.pdf", "--picture")):
         (tmp_path / name).write_text("my notes")
         code, _, err = run(capsys, bags / "whole", flag, tmp_path / name)
         assert code == 2 and "never overwritten: choose another name" in err and err.count("\n") == 1
@@ -281,7 +284,10 @@ def test_an_older_file_stays_until_the_new_one_is_whole(bags, tmp_path, capsys, 
 def test_help_teaches(capsys):
     code, out, _ = run(capsys, "--help")
     assert code == 0
-    for word in ("--save", "--png", "--no-viewer", "ros2 run evodevo_sim replay bags/long", "without a display", "replaced"):
+    for word in (
+        "--save", "--picture FILE, --png FILE", "--palette {paper,safe}", "--no-viewer", "ros2 run evodevo_sim replay bags/long",
+        "without a display", "replaced",
+    ):
         assert word in out
 
 

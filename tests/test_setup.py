@@ -6,6 +6,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -51,6 +52,43 @@ def test_lock_meets_requirement(requirement):
 
 def test_lock_leaves_out_the_package_that_clashes_with_the_wheels_own():
     assert "lark-parser" in pins() and "lark" not in pins()
+
+
+# --- constraints for what the lock does not hold ----------------------------------------------------------------------
+
+
+def wheel(directory: Path, name: str, version: str) -> None:
+    """An empty wheel."""
+    about = f"{name}-{version}.dist-info"
+    with zipfile.ZipFile(directory / f"{name}-{version}-py3-none-any.whl", "w") as archive:
+        archive.writestr(f"{about}/METADATA", f"Metadata-Version: 2.1\nName: {name}\nVersion: {version}\n")
+        archive.writestr(f"{about}/WHEEL", "Wheel-Version: 1.0\nGenerator: tests\nRoot-Is-Purelib: true\nTag: py3-none-any\n")
+        archive.writestr(f"{about}/RECORD", "")
+
+
+def test_pip_installs_the_peers_under_the_constraints(tmp_path):
+    """Real pip, without an index, on empty wheels; with the lock itself it asks for hashes of the peers."""
+    peers = ROOT / "benchmarks" / "requirements-peers.txt"
+    for line in peers.read_text().splitlines():
+        if line and not line.startswith("#"):
+            wheel(tmp_path, *line.split("=="))
+    constraints = tmp_path / "constraints.txt"
+    constraints.write_text(subprocess.run([ROOT / "scripts" / "constraints.sh"], capture_output=True, text=True, check=True).stdout)
+    held = [Requirement(line) for line in constraints.read_text().splitlines()]
+    assert sorted(f"{one.name}{one.specifier}" for one in held) == sorted(f"{name}=={v}" for name, vs in pins().items() for v in vs)
+    pip = [sys.executable, "-m", "pip", "install", "--dry-run", "--quiet", "--ignore-installed"]
+    pip += ["--no-index", f"--find-links={tmp_path}", "-r", peers]
+    lock = subprocess.run([*pip, "-c", ROOT / "requirements.lock"], capture_output=True, text=True, timeout=60)
+    assert lock.returncode and "hash" in lock.stderr.lower()
+    assert subprocess.run([*pip, "-c", constraints], capture_output=True, text=True, timeout=60).returncode == 0
+
+
+def test_engines_that_are_missing_name_the_command(monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
+    import peers
+
+    assert "make peers" in peers.INSTALL and "make peers" in subprocess.run(
+        ["make", "-C", ROOT, "help"], capture_output=True, text=True, timeout=30).stdout
 
 
 # --- the environment of a shell ----------------------------------------------------------------------------------------
@@ -228,6 +266,7 @@ def set_up(directory: Path, **variables: str) -> tuple[int, str, str]:
 
 
 @needs_environment
+@pytest.mark.skipif((ROOT / ".venv").is_symlink(), reason="set-up would put an environment of its own in the place of a link to another")
 def test_set_up_leaves_alone_what_is_in_place():
     assert set_up(ROOT) == (0, "", "")
 

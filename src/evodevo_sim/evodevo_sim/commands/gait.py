@@ -21,6 +21,7 @@ from ..ros.command_line import Parser, pairs, say_if_compiling
 from ..ros.process import without_ros
 from ..tasks.evaluation import perform
 from ..view import files
+from ..view.palettes import add_palette
 from ..view.summary import name_of
 
 _EPILOG = """\
@@ -41,13 +42,14 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("source", metavar="BAG|GENOME", help="a recording, or a genome file")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="for a genome: a number of its task")
     parser.add_argument("--walk", action="store_true", help="for a recording: it walks, on the ground in it, or else flat at y = 0")
-    parser.add_argument("--out", type=Path, metavar="FILE.png", help="save a picture")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="save a picture, as its ending .png, .svg or .pdf says")
     parser.add_argument("--csv", type=Path, metavar="FILE.csv", help="save place, amplitude and phase of every cell")
+    add_palette(parser)
     given = parser.parse_args(without_ros(parser, sys.argv[1:] if arguments is None else arguments))
     try:
-        for path, ending in ((given.out, ".png"), (given.csv, ".csv")):
+        for path, endings in ((given.out, files.PICTURES), (given.csv, (".csv",))):
             if path:
-                files.check(path, ending)
+                files.check(path, *endings)
         analysis = analyse(_track(given))
         gait, console = analysis.gait, Console(highlight=False)
         console.print(f"{gait.name}: {gait.why}", style="bold", soft_wrap=True)
@@ -58,8 +60,8 @@ def main(arguments: list[str] | None = None) -> int:
         if given.out:
             from ..view.gait_picture import save_gait
 
-            with files.whole(given.out, ".png") as file:
-                save_gait(analysis, name_of(Path(given.source)), file)
+            with files.whole(given.out, *files.PICTURES) as file:
+                save_gait(analysis, name_of(Path(given.source)), file, given.palette)
     except (GaitError, GenomeError, ParameterError, RecordingError, files.OutputError) as error:
         parser.exit(2, f"{parser.prog}: {error}\n")
     return 0

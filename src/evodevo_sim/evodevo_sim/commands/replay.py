@@ -12,18 +12,19 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from ..ros.command_line import Parser
+from ..view.palettes import add_palette
 
 _EPILOG = """\
 examples:
   ros2 run evodevo_sim replay
       the newest recording under bags/ in the Rerun viewer; without a display it saves a Rerun file and says where
   ros2 run evodevo_sim replay bags/long --save long.rrd
-      keep the Rerun file; `rerun long.rrd` shows it again, here or on another computer
-  ros2 run evodevo_sim replay bags/long --no-viewer --png long.png
+      keep the Rerun file; `rerun --bind 127.0.0.1 long.rrd` shows it again, here or on another computer
+  ros2 run evodevo_sim replay bags/long --no-viewer --picture long.pdf
       a picture alone: growth, swim, muscles, fitness; it needs no Rerun
 
 A recording is a directory that `evolve` or `ros2 bag record` made, or an .mcap or .db3 file of it; one that was cut off is shown
-as far as it goes.  An older .rrd or .png of the same name is replaced when the new one is complete; any other file is left alone.
+as far as it goes.  An older file of the same name and kind is replaced when the new one is complete; any other file is left alone.
 The viewer that replay opens sends no statistics of its use to its makers; `rerun analytics disable` turns them off for others.
 In the viewer: space plays and pauses, the timeline `generation` shows the curves of a run, dragging and scrolling move the view.
 """
@@ -33,7 +34,9 @@ def _parse(arguments: list[str] | None) -> argparse.Namespace:
     parser = Parser("replay", "Show a recording: how an animat grew and swims, and how a run evolved it.", _EPILOG)
     parser.add_argument("recording", nargs="?", type=Path, metavar="RECORDING", help="default: the newest one under bags/")
     parser.add_argument("--save", type=Path, metavar="FILE.rrd", help="save a Rerun file")
-    parser.add_argument("--png", type=Path, metavar="FILE.png", help="save a picture, 1600 pixels wide")
+    says = "save a picture, as its ending .png (1600 pixels wide), .svg or .pdf says"
+    parser.add_argument("--picture", "--png", type=Path, metavar="FILE", help=says)
+    add_palette(parser)
     only = "only save: what is named, or else a Rerun file as without a display"
     parser.add_argument("--no-viewer", action="store_true", help=only)
     return parser.parse_args(arguments)
@@ -64,35 +67,35 @@ def _replay(options: argparse.Namespace) -> int:
     from ..view import files, viewer
     from ..view.summary import name_of
 
-    for path, ending in ((options.save, ".rrd"), (options.png, ".png")):
+    for path, endings in ((options.save, (".rrd",)), (options.picture, files.PICTURES)):
         if path:
-            files.check(path, ending)
+            files.check(path, *endings)
     source = options.recording or _newest(Path("bags"))
     recording = read_recording(source, progress=True)
     life = life_of(recording)
     missing = words_of_holes(life.time)
     for line in (*recording.notes, *([missing] if missing else [])):
         print(f"replay: {line}", file=sys.stderr)
-    if options.png and not (len(life.time) or any(len(pose.position) for pose in life.growth) or recording.statistics):
+    if options.picture and not (len(life.time) or any(len(pose.position) for pose in life.growth) or recording.statistics):
         raise RecordingError(f"{source} holds no life and no generations: there is nothing to draw")
-    if options.png:
-        _picture(recording, life, options.png)
+    if options.picture:
+        _picture(recording, life, options.picture, options.palette)
     opens = viewer.has_display() and viewer.is_installed() and not options.no_viewer
     if opens and not options.save:
         with tempfile.TemporaryDirectory(prefix="evodevo-") as directory:
             file = os.path.join(directory, f"{name_of(source)}.rrd")
             with _bar("Preparing") as step:
-                viewer.save(recording, life, file, step)
+                viewer.save(recording, life, file, step, options.palette)
             return viewer.show(file)
-    if options.no_viewer and options.png and not options.save:
+    if options.no_viewer and options.picture and not options.save:
         return 0
-    if options.png and not options.save and not viewer.is_installed():
+    if options.picture and not options.save and not viewer.is_installed():
         print(f"replay: {viewer.NO_RERUN}", file=sys.stderr)
         return 0
     target = options.save or _beside(source)
     with files.whole(target, ".rrd") as file, _bar("Saving") as step:
-        viewer.save(recording, life, file, step)
-    print(f"Saved {target}.  See it:   rerun {shlex.quote(str(target))}", flush=True)
+        viewer.save(recording, life, file, step, options.palette)
+    print(f"Saved {target}.  See it:   {viewer.COMMAND} {shlex.quote(str(target))}", flush=True)
     return viewer.show(target) if opens else 0
 
 
@@ -116,12 +119,12 @@ def _beside(source: Path) -> Path:
     return directory / name if os.access(directory, os.W_OK) else Path(name)
 
 
-def _picture(recording, life, path: Path) -> None:
+def _picture(recording, life, path: Path, palette: str) -> None:
     from ..view import files
     from ..view.picture import save_story
 
-    with files.whole(path, ".png") as file, _bar("Drawing") as step:
-        save_story(recording, life, file, step)
+    with files.whole(path, *files.PICTURES) as file, _bar("Drawing") as step:
+        save_story(recording, life, file, step, palette)
     print(f"Saved {path}")
 
 

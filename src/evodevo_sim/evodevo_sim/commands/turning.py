@@ -12,7 +12,8 @@ from ..recording import RecordingError
 from ..recording.champion import champion_of
 from ..ros.command_line import Parser, pairs, say_if_compiling, warn
 from ..ros.process import without_ros
-from ..view.files import OutputError, check, whole
+from ..view.files import PICTURES, OutputError, check, whole
+from ..view.palettes import add_palette
 
 _EPILOG = """\
 examples:
@@ -31,11 +32,12 @@ def main(arguments: list[str] | None = None) -> int:
     parser = Parser("turning", "Analyse how animats turn towards targets.", _EPILOG)
     parser.add_argument("sources", nargs="+", metavar="GENOME|BAG", help="genome files, or recordings of runs")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="for genomes: a number of the task")
-    parser.add_argument("--out", type=Path, metavar="FILE.png", help="save a picture")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="save a picture, as its ending .png, .svg or .pdf says")
+    add_palette(parser)
     given = parser.parse_args(without_ros(parser, sys.argv[1:] if arguments is None else arguments))
     try:
         if given.out:
-            check(given.out, ".png")
+            check(given.out, *PICTURES)
         champions = [champion_of(source, pairs(given.set), "chemotaxis", warn(parser.prog)) for source in given.sources]
         say_if_compiling("kernel.trials")
         found = []
@@ -48,8 +50,8 @@ def main(arguments: list[str] | None = None) -> int:
         if given.out:
             from ..view.turning_picture import save_turning
 
-            with whole(given.out, ".png") as file:
-                save_turning(found, file)
+            with whole(given.out, *PICTURES) as file:
+                save_turning(found, file, given.palette)
             print(f"Saved {given.out}")
     except (GenomeError, OutputError, ParameterError, RecordingError) as error:
         parser.exit(2, f"{parser.prog}: {error}\n")

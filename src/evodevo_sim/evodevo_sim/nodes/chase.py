@@ -30,6 +30,7 @@ from ..ros.messages import genome_message, target_message, task_message
 from ..ros.own_simulators import OwnSimulators
 from ..ros.process import stay_on_this_host, without_ros
 from ..view.files import OutputError
+from ..view.palettes import add_palette
 from .simulator import LATCHED, NEWEST
 
 _EPILOG = """\
@@ -72,6 +73,7 @@ def _parse(arguments):
     parser.add_argument("--out", type=Path, metavar="DIR", help="directory of a recording, made anew")
     parser.add_argument("--view", action="store_true", help="show it in the Rerun viewer")
     parser.add_argument("--save", type=Path, metavar="FILE.rrd", help="save a Rerun file while it runs")
+    add_palette(parser)
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
     given = parser.parse_args(without_ros(parser, arguments))
     for name, value, least, most in (
@@ -130,7 +132,7 @@ def _viewer(given, stack, champion: Champion):
         return None
     from ..view.live_view import LiveView
 
-    return stack.enter_context(LiveView(champion.name, given.save, given.view, champion.task.chemotaxis.scent_reach))
+    return stack.enter_context(LiveView(champion.name, given.save, given.view, champion.task.chemotaxis.scent_reach, given.palette))
 
 
 class Chase:

@@ -225,3 +225,13 @@ def contrasting_cells(activation) -> list[int]:
     active = np.flatnonzero(amplitude >= 0.5 * amplitude.max())
     apart = np.abs(late[:, active] - late[:, [strongest]]).mean(axis=0)
     return list(dict.fromkeys((strongest, int(active[apart.argmax()]))))
+
+
+def period_of(life: Life, cells) -> float:
+    """The main period of some cells' muscles in the second half of a life, s; infinity where there is none."""
+    if len(life.time) < 3:
+        return np.inf
+    late = life.activation[len(life.time) // 2 :, cells]
+    power = np.abs(np.fft.rfft(late - late.mean(axis=0), axis=0)).sum(axis=1)
+    k = int(power.argmax())
+    return len(late) * float(life.time[1] - life.time[0]) / k if k else np.inf

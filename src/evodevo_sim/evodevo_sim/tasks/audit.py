@@ -38,7 +38,7 @@ MOST_GAP = 0.02  # of the energy that went through, that may be missing in the l
 MOST_FINE_GAP = 1e-3  # the same in the two better runs
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Audit:
     """evaluation: as evolved; runs; faults: why the fitness does not stand, none where it does; says: what else was found."""
 

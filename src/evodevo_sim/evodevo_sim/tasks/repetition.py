@@ -25,7 +25,7 @@ class Way(NamedTuple):
     anew: bool
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Run:
     """name; fitness, m; change of it, relative to the run as evolved; sustained, m: the part of fitness that is motion,
     windows x slowest window, or the plain distance where that is the fitness; ledger: J by muscles, drag, damping, ground, or empty; gap: energy that the ledger does not explain, relative
@@ -42,7 +42,7 @@ class Run:
     near: tuple[float, ...] = ()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Motion:
     """A motion repeated: path (points + 1, 2) m of the centre of mass; ledger, gap, chamber: see `Run`; outcome: SOUND or not."""
 

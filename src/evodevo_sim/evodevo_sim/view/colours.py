@@ -1,17 +1,17 @@
-"""Colours of the paper (Figs. 3 to 5): blue contracting, green at rest, red expanding."""
+"""Colours as numbers: of cells by their activation e - c in a palette, and those of everything else."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from .palettes import DEFAULT, PALETTES
+
 _STRETCH = 0.7  # power of |e - c|: weak muscles show, too
-# sRGB, 0..255, from contracting to expanding, evenly spaced along the stretched activation
-_STOPS = np.array([(36, 92, 220), (64, 160, 190), (92, 184, 92), (222, 168, 60), (224, 48, 44)], float)
 INK, QUIET, ACCENT, SECOND, THIRD = (38, 43, 54), (138, 145, 158), (222, 116, 24), (132, 92, 196), (34, 150, 160)
 PAPER = (250, 250, 248)
 
 
-def activation_colours(activation) -> np.ndarray:
+def activation_colours(activation, palette: str = DEFAULT) -> np.ndarray:
     """The colour of e - c, in full at -1 and 1, and stretched about 0.
 
     Args: activation: any shape (...); outside [-1, 1] it is clipped, NaN is at rest.
@@ -19,7 +19,8 @@ def activation_colours(activation) -> np.ndarray:
     """
     a = np.nan_to_num(np.clip(np.asarray(activation, float), -1.0, 1.0))
     stretched = np.sign(a) * np.abs(a) ** _STRETCH
-    channels = [np.interp(stretched, np.linspace(-1.0, 1.0, len(_STOPS)), channel) for channel in _STOPS.T]
+    stops = np.array(PALETTES[palette].stops, float)
+    channels = [np.interp(stretched, np.linspace(-1.0, 1.0, len(stops)), channel) for channel in stops.T]
     return np.rint(np.stack(channels, axis=-1)).astype(np.uint8)
 
 

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import textwrap
+
 import numpy as np
 from matplotlib.collections import EllipseCollection, LineCollection, PolyCollection
 from matplotlib.patches import Circle
 
 from ..recording.life import RINGS, Life, Pose
 from .colours import ACCENT, INK, QUIET, SECOND, activation_colours, unit_rgb
+from .palettes import DEFAULT
 
 DIAMETER = 1.0  # m, of a cell
+_LEAST = 0.75  # of its size, to which a text shrinks before it gets lines
 
 
-def draw_pose(axes, pose: Pose, springs, outline=(), chambers=()) -> None:
+def draw_pose(axes, pose: Pose, springs, outline=(), chambers=(), palette: str = DEFAULT) -> None:
     """Draw a body: chambers below, cells as discs coloured by e - c, springs and the outline above."""
-    position, rgb = pose.position, activation_colours(pose.activation) / 255
+    position, rgb = pose.position, activation_colours(pose.activation, palette) / 255
     span = np.ptp(axes.get_xlim()) or 1.0
     point = span / (axes.get_window_extent().width * 72 / axes.figure.dpi)  # m of a typographic point
     thin = np.clip(0.04 / point, 0.25, 1.6)  # lines thin out as the body gets small
@@ -47,10 +51,10 @@ def draw_world(axes, life: Life, step: int) -> None:
     axes.plot(*life.position[step, touching].T, "^", color=unit_rgb(ACCENT), mec="white", mew=0.6, ms=6, zorder=6)
 
 
-def draw_swim(axes, life: Life, step: int) -> None:
+def draw_swim(axes, life: Life, step: int, palette: str = DEFAULT) -> None:
     """Draw the body at a control step in its world, with the trail of its centre of mass."""
     draw_world(axes, life, step)
-    draw_pose(axes, life.pose(step), life.springs, life.outline, life.chambers)
+    draw_pose(axes, life.pose(step), life.springs, life.outline, life.chambers, palette)
     if len(life.target) and np.isfinite(life.target[step]).all():
         draw_target(axes, life.target[step], life.reach)
     axes.plot(*life.centre[: step + 1].T, color=unit_rgb(ACCENT), linewidth=1.5, solid_capstyle="round", zorder=4)
@@ -79,6 +83,30 @@ def frame(axes, low, high) -> None:
         aspect="equal",
     )
     axes.axis("off")
+
+
+def fit(text, width: float, lines: int = 1) -> None:
+    """Make a matplotlib text fit a width, inches: smaller down to _LEAST of its size, then in lines, the last of which is cut short.
+    Its $ and backslashes are letters as all others."""
+    text.set_parse_math(False)
+    whole, size = text.get_text(), text.get_fontsize()
+    over = _times_as_wide(text, width)
+    if over > 1.0:
+        text.set_fontsize(size * max(_LEAST, 0.99 / over))
+    letters, over = len(whole), _times_as_wide(text, width)
+    while over > 1.0 and letters > 2:
+        letters = max(2, int(letters * min(0.95, 1.0 / over)))
+        text.set_text("\n".join(textwrap.wrap(whole, letters, max_lines=lines, placeholder=" …")))
+        over = _times_as_wide(text, width)
+
+
+def _times_as_wide(text, width: float) -> float:
+    return text.get_window_extent().width / text.figure.dpi / width
+
+
+def shortened(name: str, letters: int = 48) -> str:
+    """A name of at most as many letters, so that what a title says after it is seen."""
+    return name if len(name) <= letters else f"{name[: letters - 1]}…"
 
 
 def bounds(position) -> tuple[np.ndarray, np.ndarray]:

@@ -12,7 +12,9 @@ from ..analysis.gait.analysis import Analysis
 from ..analysis.gait.table import headline
 from ..recording.life import Pose, contrasting_cells
 from .colours import ACCENT, INK, QUIET, SECOND, unit_rgb
-from .drawing import DIAMETER, bounds, draw_pose, frame, round_length, scale_bar
+from .drawing import DIAMETER, bounds, draw_pose, fit, frame, round_length, scale_bar, shortened
+from .figure_file import save_figure
+from .palettes import DEFAULT, legend_of
 from .picture import STYLE, caption, legend
 
 _FRAMES = 6  # of the film strip
@@ -22,25 +24,28 @@ _WIDTH, _DPI = 12.8, 125  # inches
 _STRIP, _CURVES, _LEFT, _TOP, _GAP = 2.3, 2.6, 0.4, 1.05, 0.75  # inches
 
 
-def save_gait(analysis: Analysis, name: str, path) -> None:
-    """Draw a gait and save it as a PNG.  Args: name: of what has it; path: where to, or a binary file."""
+def save_gait(analysis: Analysis, name: str, path, palette: str = DEFAULT) -> None:
+    """Draw a gait and save it as a picture.  Args: name: of what has it; path: its ending names the format."""
     walks = analysis.contact is not None
     with matplotlib.rc_context(STYLE):
         height = _TOP + _STRIP + _GAP + _CURVES + (_GAP + 1.3 if walks else 0.0) + 0.6
         figure = Figure((_WIDTH, height), dpi=_DPI, facecolor="white")
-        figure.text(_LEFT / _WIDTH, 1 - 0.42 / height, f"{name}: {headline(analysis.gait)}", fontsize=15, fontweight="bold")
-        figure.text(_LEFT / _WIDTH, 1 - 0.68 / height, _facts(analysis), fontsize=9.5, color="0.35")
+        says = f"{shortened(name)}: {headline(analysis.gait)}"
+        title = figure.text(_LEFT / _WIDTH, 1 - 0.42 / height, says, fontsize=15, fontweight="bold")
+        facts = figure.text(_LEFT / _WIDTH, 1 - 0.56 / height, _facts(analysis), fontsize=9.5, color="0.35", va="top")
+        fit(title, _WIDTH - 2 * _LEFT)
+        fit(facts, _WIDTH - 2 * _LEFT, lines=2)
 
         def place(left, top, wide, tall):
             return figure.add_axes((left / _WIDTH, (height - top - tall) / height, wide / _WIDTH, tall / height))
 
-        _film(place, analysis)
+        _film(place, analysis, palette)
         top = _TOP + _STRIP + _GAP
         _traces(place(_LEFT + 0.25, top, 6.6, _CURVES), analysis)
         _phases(place(8.0, top, 3.9, _CURVES), place(11.95, top + 0.3, 0.12, _CURVES - 0.6), analysis)
         if walks:
             _contacts(place(_LEFT + 0.25, top + _CURVES + _GAP, 11.8, 1.3), analysis)
-        figure.savefig(path, format="png")
+        save_figure(figure, path)
 
 
 def _facts(analysis: Analysis) -> str:
@@ -58,7 +63,7 @@ def _span(analysis: Analysis, periods: float) -> np.ndarray:
     return np.flatnonzero(time >= begin - 1e-9)
 
 
-def _film(place, analysis: Analysis) -> None:
+def _film(place, analysis: Analysis, palette: str) -> None:
     half, span = analysis.half, _span(analysis, 1.0)
     steps = span[np.linspace(0, len(span) - 1, _FRAMES + 1).astype(int)][:-1]
     wide = (_WIDTH - 2 * _LEFT) / _FRAMES
@@ -66,13 +71,14 @@ def _film(place, analysis: Analysis) -> None:
     for number, step in enumerate(steps):
         axes = place(_LEFT + number * wide, _TOP + 0.15, wide - 0.1, _STRIP - 0.3)
         frame(axes, low, high)
-        draw_pose(axes, Pose(half.position[step], half.activation[step]), half.springs, half.outline, half.chambers)
+        pose = Pose(half.position[step], half.activation[step])
+        draw_pose(axes, pose, half.springs, half.outline, half.chambers, palette)
         if half.ground is not None:
             x = np.linspace(*axes.get_xlim(), 200)
             axes.plot(x, half.ground(x), color=unit_rgb(QUIET), linewidth=1.2, zorder=0)
         caption(axes, f"{half.time[step] - half.time[steps[0]]:.2f} s")
         if number == 0:
-            axes.set_title("One period: blue contracting, green at rest, red expanding")
+            axes.set_title(f"One period; e − c: {legend_of(palette)}")
             for cell, colour in zip(_cells(analysis), (ACCENT, SECOND)):
                 axes.plot(*half.position[step, cell], "o", color=unit_rgb(colour), mec="white", mew=1, ms=6, zorder=6)
     scale_bar(axes, round_length(np.ptp(axes.get_xlim()) / 4))

@@ -11,6 +11,7 @@ import numpy as np
 
 from .colours import ACCENT, INK, SECOND, THIRD, activation_colours
 from .files import OutputError, check
+from .palettes import DEFAULT
 from .viewer import NO_RERUN, has_display, is_installed, opened, switched_on
 
 _HEIGHT = 0.02  # m, of lines above the cells' discs
@@ -19,17 +20,18 @@ _HEIGHT = 0.02  # m, of lines above the cells' discs
 class LiveView:
     """A Rerun stream, as a context.
 
-    Args: name: of the recording; path: a Rerun file, or None; viewer: whether to open the viewer; reach: m to where scent ends.
+    Args: name: of the recording; path: a Rerun file, or None; viewer: whether to open the viewer; reach: m to where scent ends;
+        palette: of the cells.
     """
 
-    def __init__(self, name: str, path: str | os.PathLike | None, viewer: bool, reach: float):
+    def __init__(self, name: str, path: str | os.PathLike | None, viewer: bool, reach: float, palette: str = DEFAULT):
         if not is_installed():
             raise OutputError(NO_RERUN)
         if viewer and not has_display():
             raise OutputError("there is no display for --view: use --save FILE.rrd instead")
         if path:
             check(Path(path), ".rrd")
-        self._name, self._path, self._viewer, self._reach = name, path, viewer, reach
+        self._name, self._path, self._viewer, self._reach, self._palette = name, path, viewer, reach, palette
         self._pairs = np.empty((0, 2), int)
         self._target = None
         self._stack, self._process = ExitStack(), None
@@ -68,7 +70,7 @@ class LiveView:
         rr, stream = self._rr, self._stream
         stream.set_time("time", duration=seconds)
         space = np.column_stack((position, np.zeros(len(position))))
-        stream.log("animat/cells", rr.Points3D(space, radii=0.5, colors=activation_colours(activation)))
+        stream.log("animat/cells", rr.Points3D(space, radii=0.5, colors=activation_colours(activation, self._palette)))
         if self._pairs.size and self._pairs.max() < len(position):
             lifted = space + (0.0, 0.0, 0.5 + _HEIGHT)
             stream.log("animat/springs", rr.LineStrips3D(lifted[self._pairs], radii=0.02, colors=INK))

@@ -8,14 +8,17 @@ from matplotlib.figure import Figure
 
 from ..analysis.stretches import holes
 from ..recording import Recording
-from ..recording.life import Life, contrasting_cells
+from ..recording.life import Life, contrasting_cells, period_of
 from .colours import ACCENT, INK, QUIET, SECOND, THIRD, activation_colours, unit_rgb
-from .drawing import bounds, draw_pose, draw_swim, frame, round_length, scale_bar
-from .summary import BETWEEN, headline
+from .drawing import bounds, draw_pose, draw_swim, fit, frame, round_length, scale_bar
+from .figure_file import save_figure
+from .palettes import DEFAULT
+from .summary import headline
 
 FRAMES = 6  # of growth and of the swim
 _WIDTH, _DPI = 12.8, 125  # inches; 1600 px
 _LEFT, _RIGHT, _TOP, _BOTTOM, _GAP = 0.4, 0.25, 1.25, 0.55, 0.65  # margins and distance of rows, inches
+_LEGEND = 2.6  # inches, width of the scale of colours
 _TALLEST = {FRAMES: 2.4, FRAMES // 2: 4.6}  # inches, of the swim's frames, by columns
 _LINE = 160  # characters below the name
 _CYCLES = 8.0  # periods of the muscles to show
@@ -28,34 +31,34 @@ STYLE = {
 }
 
 
-def save_story(recording: Recording, life: Life, path, step=lambda part: None) -> None:
-    """Draw the story of a recording and save it as a PNG, 1600 px wide.
+def save_story(recording: Recording, life: Life, path, step=lambda part: None, palette: str = DEFAULT) -> None:
+    """Draw the story of a recording and save it as a picture, 12.8 inches wide: 1600 px as a PNG.
 
-    Args: path: where to, or a binary file; step: called with the name of each part before it is drawn.
+    Args: path: its ending names the format; step: called with the name of each part before it is drawn.
     """
     with matplotlib.rc_context(STYLE):
-        rows = [*_growth_row(life), *_swim_row(life), *_curves_row(recording, life)]
+        rows = [*_growth_row(life, palette), *_swim_row(life, palette), *_curves_row(recording, life)]
         height = _TOP + sum(tall for tall, _, _ in rows) + _GAP * max(0, len(rows) - 1) + _BOTTOM
         figure = Figure((_WIDTH, height), dpi=_DPI, facecolor="white")
-        _head(figure, recording, life)
+        _head(figure, recording, life, palette)
         top = height - _TOP
         for tall, name, draw in rows:
             step(name)
             draw(figure, top, tall)
             top -= tall + _GAP
         step("writing")
-        figure.savefig(path, format="png")
+        save_figure(figure, path)
 
 
 def save_frame(life: Life, path, step: int = -1, pixels: int = 800) -> None:
-    """Draw the body at one control step and save it as a PNG with a transparent background, `pixels` wide."""
+    """Draw the body at one control step and save it with a transparent background; as a PNG it is `pixels` wide."""
     low, high = bounds(life.position[step])
     width, height = high - low
     figure = Figure((pixels / 100, pixels / 100 * height / width), dpi=100)
     axes = figure.add_axes((0, 0, 1, 1))
     frame(axes, low, high)
     draw_pose(axes, life.pose(step), life.springs, life.outline, life.chambers)
-    figure.savefig(path, format="png", transparent=True)
+    save_figure(figure, path, transparent=True)
 
 
 def _axes(figure, top, tall, columns: int, rows: int = 1, gap: float = 0.1, left: float = _LEFT, under: float = 0.0):
@@ -72,33 +75,26 @@ def _heading(figure, top, text) -> None:
     figure.text(_LEFT / _WIDTH, (top + 0.12) / figure.get_figheight(), text, fontsize=10.5, fontweight="bold")
 
 
-def _head(figure, recording: Recording, life: Life) -> None:
+def _head(figure, recording: Recording, life: Life, palette: str) -> None:
     total = figure.get_figheight()
     name, facts = headline(recording, life)
-    figure.text(_LEFT / _WIDTH, 1 - 0.45 / total, name, fontsize=17, fontweight="bold")
-    for k, line in enumerate(_lines(facts)):
-        figure.text(_LEFT / _WIDTH, 1 - (0.72 + 0.19 * k) / total, line, fontsize=9.5, color="0.35")
+    title = figure.text(_LEFT / _WIDTH, 1 - 0.45 / total, name, fontsize=17, fontweight="bold")
+    fit(title, _WIDTH - _LEFT - _RIGHT - _LEGEND - 0.8)
+    told = figure.text(_LEFT / _WIDTH, 1 - 0.6 / total, facts, fontsize=9.5, color="0.35", va="top")
+    fit(told, _WIDTH - _LEFT - _RIGHT, lines=2)
     if not len(life.time) and not life.growth:
         return
-    scale = figure.add_axes((1 - (_RIGHT + 2.6) / _WIDTH, 1 - 0.36 / total, 2.6 / _WIDTH, 0.14 / total))
+    scale = figure.add_axes((1 - (_RIGHT + _LEGEND) / _WIDTH, 1 - 0.36 / total, _LEGEND / _WIDTH, 0.14 / total))
     values = np.linspace(-1, 1, 261)
-    scale.imshow(activation_colours(values)[None], aspect="auto", extent=(-1, 1, 0, 1))
+    scale.imshow(activation_colours(values, palette)[None], aspect="auto", extent=(-1, 1, 0, 1))
     scale.set(yticks=[], xticks=(-1, 0, 1))
-    scale.set_xticklabels(("contracting", "at rest", "expanding"), fontsize=8.5)
+    scale.set_xticklabels(("−1 contracting", "0 at rest", "expanding +1"), fontsize=8.5)
+    scale.text(-1.03, 0.5, "e − c", ha="right", va="center", fontsize=8.5, color="0.35")
     scale.tick_params(length=0, pad=3)
     for label, side in zip(scale.get_xticklabels(), ("left", "center", "right")):
         label.set_horizontalalignment(side)
     scale.spines[:].set_visible(False)
     scale.grid(False)
-
-
-def _lines(facts: str) -> list[str]:
-    """Facts in as many lines as they take."""
-    lines = [""]
-    for fact in facts.split(BETWEEN):
-        whole = BETWEEN.join(filter(None, (lines[-1], fact)))
-        lines[-1:] = [whole] if len(whole) <= _LINE or not lines[-1] else [lines[-1], fact]
-    return lines
 
 
 def _growth_steps(life: Life) -> list[int]:
@@ -108,7 +104,7 @@ def _growth_steps(life: Life) -> list[int]:
     return sorted({int(np.flatnonzero(cells <= count)[-1]) for count in wanted})
 
 
-def _growth_row(life: Life):
+def _growth_row(life: Life, palette: str):
     if not life.growth or not len(life.growth[0].position):
         return
     steps = _growth_steps(life)
@@ -120,7 +116,7 @@ def _growth_row(life: Life):
             pose = life.growth[k]
             low, high = bounds(pose.position)
             frame(axes, (low + high) / 2 - size, (low + high) / 2 + size)
-            draw_pose(axes, pose, life.growth_springs[k])
+            draw_pose(axes, pose, life.growth_springs[k], palette=palette)
             many = "cell" if len(pose.position) == 1 else "cells"
             caption(axes, f"step {k}, {len(pose.position)} {many}")
 
@@ -132,7 +128,7 @@ def caption(axes, text) -> None:
     axes.text(0.5, -0.03, text, transform=axes.transAxes, ha="center", va="top", fontsize=8.5, color="0.35")
 
 
-def _walk_row(life: Life):
+def _walk_row(life: Life, palette: str):
     """Each frame follows the body."""
     if not len(life.time):
         return
@@ -148,7 +144,7 @@ def _walk_row(life: Life):
         for number, (k, axes) in enumerate(zip(steps, _axes(figure, top, tall, columns, 2, under=0.25))):
             shift = np.array((middle[k], 0.0))
             frame(axes, low + shift, high + shift)
-            draw_swim(axes, life, k)
+            draw_swim(axes, life, k, palette)
             caption(axes, f"{life.time[k] - life.time[0]:.3g} s, x = {middle[k] - middle[0]:.1f} m")
             if number == 0:
                 for cell, colour in zip(contrasting_cells(life.activation), (ACCENT, SECOND)):
@@ -157,11 +153,11 @@ def _walk_row(life: Life):
     yield tall, "walk", draw
 
 
-def _swim_row(life: Life):
+def _swim_row(life: Life, palette: str):
     if not len(life.time):
         return
     if life.scene is not None:
-        yield from _walk_row(life)
+        yield from _walk_row(life, palette)
         return
     seen_targets = life.target[np.isfinite(life.target).all(axis=1)]
     low, high = bounds(np.concatenate((life.position.reshape(-1, 2), seen_targets)))
@@ -178,7 +174,7 @@ def _swim_row(life: Life):
         grid = _axes(figure, top, tall, columns, FRAMES // columns, under=0.25)
         for number, (k, axes) in enumerate(zip(steps, grid)):
             frame(axes, low, high)
-            draw_swim(axes, life, k)
+            draw_swim(axes, life, k, palette)
             caption(axes, f"{life.time[k] - life.time[0]:.3g} s")
             if number == 0:
                 for cell, colour in zip(contrasting_cells(life.activation), (ACCENT, SECOND)):
@@ -204,13 +200,6 @@ def _curves_row(recording: Recording, life: Life):
         yield 2.1, "curves", draw
 
 
-def _period(activation, step: float) -> float:
-    """The main period of the muscles in s, or infinity.  Args: activation (T, K); step: s."""
-    power = np.abs(np.fft.rfft(activation - activation.mean(axis=0), axis=0)).sum(axis=1)
-    k = int(power.argmax())
-    return len(activation) * step / k if k else np.inf
-
-
 def _broken(seconds, values):
     """A curve that is not drawn across holes."""
     behind = holes(seconds) + 1
@@ -219,10 +208,7 @@ def _broken(seconds, values):
 
 def _activation(axes, life: Life) -> None:
     cells, seconds = contrasting_cells(life.activation), life.time - life.time[0]
-    late = len(seconds) // 2
-    shown = seconds >= 0
-    if len(seconds) > 2:
-        shown = seconds >= seconds[-1] - _CYCLES * _period(life.activation[late:, cells], seconds[1] - seconds[0])
+    shown = seconds >= seconds[-1] - _CYCLES * period_of(life, cells)
     for cell, colour in zip(cells, (ACCENT, SECOND)):
         axes.plot(*_broken(seconds[shown], life.activation[shown, cell]), color=unit_rgb(colour), label=f"cell {cell}")
     most = min(1.05, max(0.25, 1.3 * np.abs(life.activation[np.ix_(shown, cells)]).max()))

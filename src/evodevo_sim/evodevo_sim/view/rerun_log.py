@@ -17,6 +17,7 @@ import rerun as rr
 from ..recording import Recording
 from ..recording.life import RINGS, Life, contrasting_cells
 from .colours import ACCENT, INK, QUIET, SECOND, THIRD, activation_colours
+from .palettes import DEFAULT
 from .summary import markdown
 
 _TRAIL_UPDATES = 200  # a trail has up to as many points, and is logged as often
@@ -26,16 +27,18 @@ _BARS = 50  # at the most, in the chart of fitness
 _GRID_LINES = 80  # at the most, in each direction
 
 
-def log_recording(stream: rr.RecordingStream, recording: Recording, life: Life, step=lambda part: None) -> None:
+def log_recording(
+    stream: rr.RecordingStream, recording: Recording, life: Life, step=lambda part: None, palette: str = DEFAULT
+) -> None:
     """Log everything that a recording holds.  Args: step: called with the name of each part before it is logged."""
-    stream.log("summary", rr.TextDocument(markdown(recording, life), media_type=rr.MediaType.MARKDOWN), static=True)
+    stream.log("summary", rr.TextDocument(markdown(recording, life, palette), media_type=rr.MediaType.MARKDOWN), static=True)
     step("cells")
-    _log_cells(stream, life)
+    _log_cells(stream, life, palette)
     step("springs")
     _log_springs(stream, life)
     if len(life.time):
         step("chambers")
-        _log_chambers(stream, life)
+        _log_chambers(stream, life, palette)
         step("curves")
         _log_lines(stream, "animat/outline", [life.time], [life.position], [life.outline], INK, 0.045)
         _log_trail(stream, life)
@@ -55,7 +58,7 @@ def _space(plane, z: float) -> np.ndarray:
     return np.concatenate((plane, np.full((*plane.shape[:-1], 1), z)), axis=-1, dtype=np.float32)
 
 
-def _log_cells(stream, life: Life) -> None:
+def _log_cells(stream, life: Life, palette: str) -> None:
     growth = life.growth
     lengths = [len(pose.position) for pose in growth] + [life.position.shape[1]] * len(life.time)
     if not lengths:
@@ -67,7 +70,7 @@ def _log_cells(stream, life: Life) -> None:
     discs = rr.Cylinders3D.from_fields(radii=0.5, fill_mode="solid", show_labels=False)
     stream.log("animat/cells", discs, static=True)
     columns = rr.Cylinders3D.columns(
-        centers=np.concatenate((position, ranks), axis=1, dtype=np.float32), colors=activation_colours(activation),
+        centers=np.concatenate((position, ranks), axis=1, dtype=np.float32), colors=activation_colours(activation, palette),
         lengths=np.full(len(position), _DISC, np.float32),
     )
     times = np.concatenate((life.growth_time, life.time))
@@ -112,13 +115,13 @@ def _log_lines(stream, entity, times, positions, pairs, colour, radius) -> None:
     stream.send_columns(entity, _at(np.concatenate(times)), columns)
 
 
-def _log_chambers(stream, life: Life) -> None:
+def _log_chambers(stream, life: Life, palette: str) -> None:
     triangles = [triangle for chamber in life.chambers for triangle in _fan(life.position[0], chamber)]
     if not triangles:
         return
     stream.log("animat/chambers", rr.Mesh3D.from_fields(triangle_indices=np.array(triangles, np.uint32)), static=True)
     steps, cells = life.activation.shape
-    tint = 0.6 * 255 + 0.4 * activation_colours(life.activation.ravel())
+    tint = 0.6 * 255 + 0.4 * activation_colours(life.activation.ravel(), palette)
     columns = rr.Mesh3D.columns(
         vertex_positions=_space(life.position.reshape(-1, 2), _BEHIND), vertex_colors=tint.astype(np.uint8)
     )

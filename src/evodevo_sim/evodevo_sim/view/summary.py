@@ -14,6 +14,7 @@ from ..recording import Recording
 from ..recording.gait import gait_of_recording
 from ..recording.life import Life
 from ..tasks.outcome import Status
+from .palettes import DEFAULT, legend_of
 
 BETWEEN = "  ·  "  # facts in a line
 
@@ -54,11 +55,16 @@ def name_of(path: Path) -> str:
     return path.stem if path.suffix in (".mcap", ".db3") else path.name
 
 
-def markdown(recording: Recording, life: Life) -> str:
-    """All of it, as Markdown."""
+def markdown(recording: Recording, life: Life, palette: str = DEFAULT) -> str:
+    """All of it, as Markdown.  Args: palette: of the cells.
+
+    Tables hold short values alone, since the viewer cuts their rows at the panel's edge; paragraphs it wraps.
+    """
     parts = [f"# {name_of(recording.path)}"]
     missing = words_of_holes(life.time)
     parts += [f"*{line}.*" for line in (*recording.notes, *([missing] if missing else []))]
+    if len(life.time) or life.growth:
+        parts.append(f"**Colours**, by e - c: {legend_of(palette)}.")
     if recording.champions:
         parts.append(_champion(recording.champions[-1], _audit(recording)))
     if len(life.time):
@@ -77,7 +83,6 @@ def markdown(recording: Recording, life: Life) -> str:
         failed = [str(audit.generation) for audit in recording.audits if not audit.stands]
         which = f"failed: those of generations {', '.join(failed)}." if failed else "failed."
         parts.append(f"**Audits:** {len(recording.audits)} champions, {len(failed) or 'none'} {which}")
-    parts.append("**Colours:** blue cells contract, green ones are at rest, red ones expand.")
     if recording.settings:
         parts.append("## Settings\n\n" + _table(_numbers(recording.settings)))
     return "\n\n".join(parts) + "\n"
@@ -93,18 +98,21 @@ def _champion(champion: msg.Champion, audit: msg.Audit | None) -> str:
     evaluation, metrics = champion.evaluation, champion.evaluation.metrics
     status = Status(evaluation.status).name if evaluation.status in list(Status) else str(evaluation.status)
     rows = {
-        "fitness": f"{evaluation.fitness:.4g}", "generation": champion.generation, "status": evaluation.cause or status,
+        "fitness": f"{evaluation.fitness:.4g}", "generation": champion.generation, "status": status,
         "genetic elements": len(champion.genome.kind), "cells": metrics.cells, "springs": metrics.springs,
         "chambers": metrics.chambers, "distance, m": f"{metrics.distance:.4g}",
         "in the second half, m": f"{metrics.distance_second_half:.4g}",
         "activation amplitude": f"{metrics.activation_amplitude:.3g}",
-        "audit": _verdict(audit), **_runs(audit),
+        **_runs(audit),
     }
     steering = metrics.steering
     if steering.distance:
         for side in ("left", "right"):
             rows[f"target on the {side}, m"] = f"{steering.distance:.3g} at birth, {getattr(steering, side + '_distance'):.3g} at the end"
-    return "## Champion\n\n" + _table(rows)
+    said = [f"**Audit:** {_verdict(audit)}."]
+    if evaluation.cause:
+        said.insert(0, f"**Failed:** {evaluation.cause}.")
+    return "\n\n".join(["## Champion", _table(rows), *said])
 
 
 def _verdict(audit: msg.Audit | None) -> str:
@@ -116,7 +124,7 @@ def _verdict(audit: msg.Audit | None) -> str:
 def _runs(audit: msg.Audit | None) -> dict:
     """A row for each way in which the life was repeated, by its name."""
     runs = audit.runs[1:] if audit is not None else ()
-    return {f"audit, {run.name}": f"{run.fitness:.6g}" + (f", {run.cause}" if run.cause else "") for run in runs}
+    return {f"audit, {run.name}": f"{run.fitness:.6g}" for run in runs if not run.cause}
 
 
 def _numbers(message, prefix: str = "") -> dict:

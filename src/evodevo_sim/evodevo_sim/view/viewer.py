@@ -13,7 +13,9 @@ from pathlib import Path
 from ..recording import Recording
 from ..recording.life import Life
 from .files import OutputError
+from .palettes import DEFAULT
 
+COMMAND = "rerun --bind 127.0.0.1"  # what a user types before a file; by itself the program listens on all interfaces
 NO_RERUN = "the Rerun viewer is not installed: pip install rerun-sdk"
 
 
@@ -25,7 +27,7 @@ def is_installed() -> bool:
     return find_spec("rerun") is not None
 
 
-def save(recording: Recording, life: Life, path: str, step=lambda part: None) -> None:
+def save(recording: Recording, life: Life, path: str, step=lambda part: None, palette: str = DEFAULT) -> None:
     """Write a Rerun file.  Args: step: called with the name of each part before it is written.
 
     Raises OutputError where Rerun is missing or cannot write.
@@ -41,7 +43,7 @@ def save(recording: Recording, life: Life, path: str, step=lambda part: None) ->
         stream = rerun.RecordingStream("evodevo")
         try:
             stream.save(path, default_blueprint=blueprint(recording, life))
-            log_recording(stream, recording, life, step)
+            log_recording(stream, recording, life, step, palette)
         finally:
             stream.disconnect()
     if not os.path.getsize(path):

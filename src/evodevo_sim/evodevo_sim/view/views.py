@@ -6,11 +6,12 @@ import numpy as np
 import rerun.blueprint as rrb
 
 from ..recording import Recording
-from ..recording.life import Life
+from ..recording.life import Life, contrasting_cells, period_of
 from .colours import PAPER
 
 _HEIGHT = 1.1  # of the eye, per metre from the lowest to the highest that it has to see: the viewer's field of view, and a margin
 _LEAST = 4.0  # m from the lowest to the highest, that are seen of an egg
+_BEATS = 8  # of the muscles, that the view of activation shows at a time
 _LANDSCAPE = 1.6  # width of the view, as far as we can know it, in heights
 
 
@@ -66,15 +67,29 @@ def _from_above(name: str, origin: str, points) -> rrb.Spatial3DView:
 def _curves(life: Life) -> list:
     if not len(life.time):
         return []
-    full = rrb.ScalarAxis(range=(-1.0, 1.0))
     legend = rrb.PlotLegend(corner=rrb.Corner2D.LeftTop)
+    away = life.target_distance[np.isfinite(life.target).all(axis=1)] if len(life.target) else np.empty(0)
+    farthest = max(1.0, 1.05 * float(np.concatenate((life.distance, away)).max()))
     return [
-        rrb.TimeSeriesView(origin="/plots/activation", name="Activation e - c of two cells", plot_legend=legend, axis_y=full),
         rrb.TimeSeriesView(
-            origin="/plots", contents=["/plots/distance", "/plots/target_distance"], name="Distance from birth and target, m",
-            plot_legend=legend,
-        ) if len(life.target) else rrb.TimeSeriesView(origin="/plots/distance", name="Distance from birth, m", plot_legend=legend),
+            origin="/plots/activation", name="Activation e - c of two cells", plot_legend=legend,
+            axis_x=_some_beats(life), axis_y=rrb.ScalarAxis(range=(-1.05, 1.05)),
+        ),
+        rrb.TimeSeriesView(
+            origin="/plots", contents=["/plots/distance", "/plots/target_distance"],
+            name="Distance from birth and target, m" if len(life.target) else "Distance from birth, m",
+            plot_legend=legend, axis_y=rrb.ScalarAxis(range=(0.0, farthest)),
+        ),
     ]
+
+
+def _some_beats(life: Life) -> rrb.TimeAxis | None:
+    """A window of _BEATS periods of the muscles, which follows the time shown; None, the whole life, where that is no longer."""
+    half = _BEATS / 2 * period_of(life, contrasting_cells(life.activation))
+    if not 2 * half < life.time[-1] - life.time[0]:
+        return None
+    ends = (rrb.TimeRangeBoundary.cursor_relative(seconds=seconds) for seconds in (-half, half))
+    return rrb.TimeAxis(view_range=rrb.TimeRange(*ends))
 
 
 def _evolution(recording: Recording) -> list:

@@ -16,7 +16,7 @@ from .track import Track
 from .work import Work, work_of
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Gait:
     """A gait in numbers, of the second half of a motion; NaN: not known, or not there.
 

@@ -16,7 +16,7 @@ class GaitError(ValueError):
     """A motion that no gait can be read from; the message says why, and the mend."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class World:
     """Constants that forces and work follow from; NaN: unknown.  mass: kg of a cell; the others as in `parameters`."""
 

@@ -13,7 +13,7 @@ from .form import chamber_areas
 from .track import Track
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Work:
     """J done on the body; gain: J of stored energy; rest: J that these do not explain: on ground, its work."""
 
