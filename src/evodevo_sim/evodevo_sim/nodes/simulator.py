@@ -18,6 +18,7 @@ from std_srvs.srv import SetBool, Trigger
 from ..command_line import Parser
 from ..evaluation import evaluate, invalid, prepare
 from ..genome import Genome, GenomeError
+from ..inputs import shown
 from ..live import Animat, NotViable, Stage
 from ..messages import (
     body_message, cell_states_message, evaluation_message, genome_from_message, task_from_message,
@@ -112,7 +113,7 @@ class Simulator(Node):
         point, stamp = message.pose.position, Time.from_msg(message.header.stamp).nanoseconds
         age = (self.get_clock().now().nanoseconds - stamp) * 1e-9 if stamp else 0.0  # a stamp of 0 is none
         if message.header.frame_id != self._frame:
-            self._warn("frame", f"target in frame {message.header.frame_id!r} ignored: give it in {self._frame!r}")
+            self._warn("frame", f"target in frame {shown(message.header.frame_id)} ignored: give it in {self._frame!r}")
         elif not (math.isfinite(point.x) and math.isfinite(point.y)):
             self._warn("number", f"target at ({point.x}, {point.y}) ignored: give finite metres")
         elif age > self._oldest:
