@@ -195,7 +195,9 @@ def _springs(given, position):
         edges = gabriel_graph(position)
         return edges, np.arange(len(edges))
     seen: dict[tuple[int, int], int] = {}
-    for s, row in enumerate(_list(given, "springs", "pairs of cells, or gabriel")):
+    if len(_list(given, "springs", "pairs of cells, or gabriel")) > 3 * cells:
+        raise BodyError(f"springs has {len(given)} entries: a planar graph of {cells} cells has fewer than {3 * cells}, give those that do not cross")
+    for s, row in enumerate(given):
         pair = tuple(sorted(_indices(row, f"springs[{s}]", cells, "two cells, [i, j]")))
         if len(pair) != 2 or pair[0] == pair[1]:
             raise BodyError(f"springs[{s}] is {shown(row)}: give two different cells, [i, j]")
@@ -237,7 +239,9 @@ def _with_chambers(body, given, edges):
 
 def _cycles(given, cells, edges):
     joined = {tuple(edge) for edge in edges.tolist()}
-    rows = [_indices(row, f"chambers[{c}]", cells, "cells") for c, row in enumerate(_list(given, "chambers", "lists of cells"))]
+    if len(_list(given, "chambers", "lists of cells")) > 2 * cells:
+        raise BodyError(f"chambers has {len(given)} entries: a planar graph of {cells} cells has fewer than {2 * cells} faces, give each once")
+    rows = [_indices(row, f"chambers[{c}]", cells, "cells") for c, row in enumerate(given)]
     for c, row in enumerate(rows):
         if len(row) < 3 or len(set(row)) < len(row):
             raise BodyError(f"chambers[{c}] is {shown(row)}: give three or more different cells, in order around the face")

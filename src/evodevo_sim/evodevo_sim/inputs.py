@@ -10,6 +10,7 @@ MOST_CHARACTERS = 270  # of an error's message; a command adds its name and a hi
 _DECIMAL = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
 _WHOLE = re.compile(r"[-+]?(0|[1-9][0-9]*)")
 _LONGEST_WHOLE = 20  # characters of a whole number that is read as one; what is longer is a float
+LONGEST_NUMBER = 1000  # characters
 
 
 class InputError(Exception):
@@ -53,7 +54,7 @@ def decimal(text: str) -> int | float | None:
     """
     if len(text) <= _LONGEST_WHOLE and _WHOLE.fullmatch(text):
         return int(text)
-    if not _DECIMAL.fullmatch(text) or (text.lstrip("+-").isdigit() and not _WHOLE.fullmatch(text)):
+    if len(text) > LONGEST_NUMBER or not _DECIMAL.fullmatch(text) or (text.lstrip("+-").isdigit() and not _WHOLE.fullmatch(text)):
         return None
     return float(text)
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import csv
+import io
 import math
 import os
+from itertools import islice
 
 import numpy as np
 
@@ -46,36 +48,46 @@ class Random:
 
 def load_points(path: str | os.PathLike) -> np.ndarray:
     """The points (K, 2) m of a CSV or YAML file.  Raises ParameterError that names the line and how to mend it."""
-    text = read_text(path, ParameterError, "points: " + _HOW.removeprefix("give "))
+    text = read_text(path, ParameterError, _HOW.removeprefix("give "))
+    rows = _from_yaml(text) if os.fspath(path).endswith((".yaml", ".yml", ".json")) else _from_csv(text)
     try:
-        rows = _from_yaml(text) if os.fspath(path).endswith((".yaml", ".yml", ".json")) else _from_csv(text)
+        points = [_point(where, row) for where, row in islice(rows, MOST_POINTS + 1)]
+        if not 0 < len(points) <= MOST_POINTS:
+            raise ParameterError(f"{f'more than {MOST_POINTS:,}' if points else 'no'} points")
     except ParameterError as error:
         raise ParameterError(f"{path}: {error}: {_HOW}") from None
-    points = []
-    for where, row in rows:
-        if not (isinstance(row, list) and len(row) == 2 and all(type(value) in (int, float) for value in row)):
-            raise ParameterError(f"{path}: {where}: {shown(row)} is no point: {_HOW}")
-        if not all(map(math.isfinite, row)):
-            raise ParameterError(f"{path}: {where}: {shown(row)} is not finite: {_HOW}")
-        points.append(row)
-    if not 0 < len(points) <= MOST_POINTS:
-        raise ParameterError(f"{path}: {len(points)} points: {_HOW}, 1 to {MOST_POINTS:,} in all")
     return np.array(points, float)
+
+
+def _point(where, row):
+    if not (isinstance(row, list) and len(row) == 2 and all(type(value) in (int, float) for value in row)):
+        raise ParameterError(f"{where}: {shown(row)} is no point")
+    if not all(map(math.isfinite, row)):
+        raise ParameterError(f"{where}: {shown(row)} is not finite")
+    return row
 
 
 def _from_yaml(text):
     data = parsed(text, ParameterError)
     if not isinstance(data, list):
         raise ParameterError("holds no list")
-    return [(f"point {k + 1}", row) for k, row in enumerate(data)]
+    yield from ((f"point {k + 1}", row) for k, row in enumerate(data))
 
 
 def _from_csv(text):
     """Rows with their places; of what spells a number, the number."""
-    lines = csv.reader(text.splitlines())
+    lines, first = csv.reader(io.StringIO(text)), True
     try:
-        rows = [(f"line {lines.line_num}", row) for row in lines if row and not row[0].startswith("#")]
+        for row in lines:
+            if not row or row[0].startswith("#"):
+                continue
+            if not first or [name.strip() for name in row[:3]] != ["x", "y"]:
+                yield f"line {lines.line_num}", [_read(cell) for cell in row] if len(row) == 2 else row
+            first = False
     except csv.Error as error:
         raise ParameterError(f"line {lines.line_num}: {error}") from None
-    rows = rows[1:] if rows and [name.strip() for name in rows[0][1]] == ["x", "y"] else rows
-    return [(where, [value if (number := decimal(value.strip())) is None else number for value in row]) for where, row in rows]
+
+
+def _read(cell):
+    number = decimal(cell.strip())
+    return cell if number is None else number

@@ -20,11 +20,12 @@ from yaml.events import (
     AliasEvent, DocumentStartEvent, MappingEndEvent, MappingStartEvent, ScalarEvent, SequenceEndEvent, SequenceStartEvent,
 )
 
-from .inputs import InputError, decimal, shown
+from .inputs import LONGEST_NUMBER, InputError, decimal, shown
 
 MOST_BYTES = 16_000_000  # a genome of 100,000 elements has up to 10,000,000, a world of two profiles of 100,000 points 12,000,000
 MOST_VALUES = 1_000_000  # that genome has 900,000 keys and values
 MOST_DEPTH = 16  # lists and mappings within each other; no kind of file has more than 3
+_TOO_MANY = f"has more than {MOST_VALUES:,} values, the most that is read: give fewer"
 _Events = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # only its events are used: the C composer calls itself without a limit
 _CONSTANTS = {"": None, "~": None} | {
     form(word): value for word, value in (("null", None), ("true", True), ("false", False)) for form in (str, str.capitalize, str.upper)
@@ -52,16 +53,16 @@ def read_text(path: str | os.PathLike, error: type[InputError], give: str) -> st
     except (OSError, ValueError) as fault:  # ValueError: a NUL in the name
         raise error(f"{path}: {getattr(fault, 'strerror', None) or fault}: give {give}") from None
     if not stat.S_ISREG(kind):
-        raise error(f"{path}: is {'a directory' if stat.S_ISDIR(kind) else 'a pipe or a device'}: give {give}")
+        raise error(f"{path} is {'a directory' if stat.S_ISDIR(kind) else 'a pipe or a device'}: give {give}")
     if len(data) > MOST_BYTES:
-        raise error(f"{path}: has more than {MOST_BYTES:,} bytes, the most that is read: give {give}")
+        raise error(f"{path} has more than {MOST_BYTES:,} bytes, the most that is read: give {give}")
     return _decoded(data, path, error, give)
 
 
 def _decoded(data, path, error, give):
     for mark, name in _BYTE_ORDERS:
         if data.startswith(mark):
-            raise error(f"{path}: is {name}: save it as UTF-8")
+            raise error(f"{path} is {name}: save it as UTF-8")
     data = data.removeprefix(codecs.BOM_UTF8)
     wrong, what = data.find(b"\0"), "a NUL byte"
     try:
@@ -71,9 +72,9 @@ def _decoded(data, path, error, give):
             wrong, what = fault.start, "bytes that are no UTF-8"
     if wrong >= 0:
         line = data.count(b"\n", 0, wrong) + 1
-        raise error(f"{path}: not a text file, line {line} has {what}: give {give}")
+        raise error(f"{path} is not a text file, line {line} has {what}: give {give}")
     if not text.strip():
-        raise error(f"{path}: is empty: give {give}")
+        raise error(f"{path} is empty: give {give}")
     return text
 
 
@@ -83,8 +84,10 @@ def parsed(text: str, error: type[InputError]):
     Args: error: what is raised, with the line or key, and the mend.
     """
     if text.lstrip()[:1] in ("{", "["):
+        if text.count(",") >= MOST_VALUES:
+            raise error(_TOO_MANY)
         try:
-            return json.loads(text, object_pairs_hook=lambda pairs: _without_doubles(pairs, error), parse_int=decimal)
+            return json.loads(text, object_pairs_hook=lambda pairs: _without_doubles(pairs, error), parse_int=_whole)
         except error:
             raise
         except (ValueError, RecursionError):  # YAML has lists and mappings in such brackets too
@@ -117,6 +120,11 @@ def _without_doubles(pairs, error):
     return found
 
 
+def _whole(text):
+    number = decimal(text)
+    return float(text) if number is None else number
+
+
 def _built(events, error):
     """The document of events of YAML.  Nothing here calls itself, however deep the document is."""
     outer: list = []  # what the open lists and mappings stand in, and the key that waited there
@@ -137,7 +145,7 @@ def _built(events, error):
             raise error(f"line {_line(event)}: {shown(event.tag)} is a tag of YAML: leave it out")
         values, began = values + 1, True
         if values > MOST_VALUES:
-            raise error(f"line {_line(event)}: here are more than {MOST_VALUES:,} values, the most that is read: give fewer")
+            raise error(_TOO_MANY)
         if type(inside) is dict and key is None:
             if kind is not ScalarEvent:
                 raise error(f"line {_line(event)}: a key is a list or a mapping: give a word")
@@ -172,7 +180,7 @@ def _line(event):
 def _scalar(event, error):
     """The value of a scalar without quotes."""
     text = event.value
-    if text[:1] not in _NUMERIC:
+    if text[:1] not in _NUMERIC or len(text) > LONGEST_NUMBER:
         return _CONSTANTS.get(text, text)
     number = decimal(text)
     if number is not None:
