@@ -29,6 +29,7 @@ setup(
             "gait = evodevo_sim.gait.cli:main",
             "replay = evodevo_sim.replay.cli:main",
             "chase = evodevo_sim.nodes.chase:main",
+            "request = evodevo_sim.request_command:main",
             "turning = evodevo_sim.turning_command:main",
         ],
     },

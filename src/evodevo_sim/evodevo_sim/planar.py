@@ -16,8 +16,12 @@ def coincident(position) -> tuple[int, int] | None:
     """Two cells at one point, the first such pair."""
     from scipy.spatial import cKDTree  # a third of a second that others need not wait
 
-    pairs = cKDTree(position).query_pairs(_CLOSE * _extent(position), output_type="ndarray")
-    return tuple(min(pairs.tolist())) if len(pairs) else None
+    tree, near = cKDTree(position), _CLOSE * _extent(position)
+    crowded = np.flatnonzero(tree.query_ball_point(position, near, return_length=True) > 1)
+    if not len(crowded):
+        return None
+    first = int(crowded[0])
+    return first, min(cell for cell in tree.query_ball_point(position[first], near) if cell != first)
 
 
 def collinear(position) -> bool:

@@ -21,7 +21,7 @@ from ..genome import Genome, GenomeError
 from ..inputs import shown
 from ..live import Animat, NotViable, Stage
 from ..messages import (
-    body_message, cell_states_message, evaluation_message, genome_from_message, task_from_message,
+    body_message, cell_states_message, evaluation_message, genome_from_message, task_of_request,
 )
 from ..outcome import Evaluation
 from ..parameters import TASKS, ParameterError, default_task
@@ -72,7 +72,7 @@ class Simulator(Node):
             response.error = f"{len(request.genomes)} genomes in a request: give 1 to {self._most}"
             return response
         try:
-            task = task_from_message(request.task)
+            task = task_of_request(request.task)
         except ParameterError as error:
             response.error = str(error)
             return response
@@ -90,7 +90,7 @@ class Simulator(Node):
 
     def _load(self, request, response):
         try:
-            animat = Animat(genome_from_message(request.genome), task_from_message(request.task), request.seed)
+            animat = Animat(genome_from_message(request.genome), task_of_request(request.task), request.seed)
             replaced = self._stage.load(animat, request.real_time_factor)
         except (GenomeError, ParameterError, NotViable) as error:
             response.message = str(error)
