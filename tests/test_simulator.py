@@ -88,7 +88,7 @@ def test_a_task_of_zeros_in_a_request_is_the_default_one(lab, name):
 
 def test_a_task_filled_in_part_is_checked_and_never_completed(lab):
     for task, says in (
-        (TaskMessage(name="fly"), "task 'fly' is unknown"), (TaskMessage(name="f" * 10_000), "is unknown"), (TaskMessage(control_steps=40), "task '' is unknown"),
+        (TaskMessage(name="fly"), "task 'fly' is unknown"), (TaskMessage(name="f" * 10_000), "is unknown"), (TaskMessage(control_steps=40), "development.max_cells is 0"),
         (TaskMessage(name="swim", control_steps=40), "development.max_cells is 0"), (TaskMessage(name="walk", control_step=float("nan")), "is"),
     ):
         answer = lab.call(Load, f"{NAMESPACE}/load", task=task, genome=genome_message(dividing()))
