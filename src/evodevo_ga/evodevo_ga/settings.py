@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from evodevo_sim.inputs import shown
 from evodevo_sim.parameters import Checked, parameter
 
 from evodevo_sim import ParameterError
@@ -86,5 +87,5 @@ def default_scheme(task: str, settings: dict[str, float] | None = None) -> str:
 def scheme(name: str, task: str = "swim") -> dict[str, float]:
     """What a scheme and a task change, for `Settings(**scheme(name, task))`.  Raises ParameterError where there is none of that name."""
     if name not in SCHEMES:
-        raise ParameterError(f"scheme {name!r} is unknown: choose one of {', '.join(SCHEMES)}")
+        raise ParameterError(f"scheme {shown(name)} is unknown: choose one of {', '.join(SCHEMES)}")
     return OF_TASK.get(task, {}) | SCHEMES[name]

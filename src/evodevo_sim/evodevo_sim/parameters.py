@@ -7,18 +7,18 @@ choose it, stands in `docs/model.md`.
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import math
 from collections import namedtuple
 from dataclasses import dataclass, field
 
+from .inputs import InputError, decimal, nearest, shown
 from .physics.terrain import fault
 
 VARIANTS = ("continual_graph", "graph_at_end")
 PROFILES = ("ground_x", "ground_y", "ceiling_x", "ceiling_y")
 
 
-class ParameterError(ValueError):
+class ParameterError(InputError, ValueError):
     """A setting that cannot work; the message names it, its value and what would."""
 
 
@@ -39,12 +39,12 @@ class Checked:
             where = f"{type(self).__name__.lower()}.{item.name}"
             number = int if isinstance(item.default, int) else float
             try:
-                converted = number(value)
+                converted, finite = number(value), math.isfinite(float(value)) and not isinstance(value, bool)
             except (TypeError, ValueError, OverflowError):
-                raise ParameterError(f"{where} is {value!r}: give a number from {low:g} to {high:g}") from None
-            if not math.isfinite(float(value)) or converted != value or not low <= converted <= high:
+                raise ParameterError(f"{where} is {shown(value)}: give a number from {low:g} to {high:g}") from None
+            if not finite or converted != value or not low <= converted <= high:
                 kind = "a whole number" if number is int else "a number"
-                raise ParameterError(f"{where} is {value!r}: give {kind} from {low:g} to {high:g} {item.metadata['unit']}".rstrip())
+                raise ParameterError(f"{where} is {shown(value)}: give {kind} from {low:g} to {high:g} {item.metadata['unit']}".rstrip())
             object.__setattr__(self, item.name, converted)
 
     def arguments(self):
@@ -76,7 +76,7 @@ class Development(Checked):
     def __post_init__(self):
         super().__post_init__()
         if self.variant not in VARIANTS:
-            raise ParameterError(f"development.variant is {self.variant!r}: choose one of {', '.join(VARIANTS)}")
+            raise ParameterError(f"development.variant is {shown(self.variant)}: choose one of {', '.join(VARIANTS)}")
 
 
 @dataclass(frozen=True)
@@ -108,8 +108,8 @@ class Scene(Checked):
             value = getattr(self, name)
             try:
                 object.__setattr__(self, name, tuple(float(item) for item in (value if not isinstance(value, str) else None)))
-            except (TypeError, ValueError):
-                raise ParameterError(f"scene.{name} is {value!r}: give a world, by --world, which is made of points") from None
+            except (TypeError, ValueError, OverflowError):
+                raise ParameterError(f"scene.{name} is {shown(value)}: give a world, by --world, which is made of points") from None
         wrong = fault(*(getattr(self, name) for name in PROFILES))
         if wrong:
             raise ParameterError(f"scene: {wrong}")
@@ -162,7 +162,7 @@ class Task(Checked):
     def __post_init__(self):
         super().__post_init__()
         if self.name not in TASKS:
-            raise ParameterError(f"task {self.name!r} is unknown: choose one of {', '.join(TASKS)}")
+            raise ParameterError(f"task {shown(self.name)} is unknown: choose one of {', '.join(TASKS)}")
         if self.windows % 2:
             raise ParameterError(f"task.windows is {self.windows}: give an even number, so that the run has two halves")
         if self.name == "walk" and self.noise.sensing:
@@ -195,7 +195,7 @@ PRESETS: dict[str, dict[str, object]] = {
 def preset(name: str) -> dict[str, object]:
     """The settings of a preset, for `with_settings`.  Raises ParameterError where there is none of that name."""
     if name not in PRESETS:
-        raise ParameterError(f"preset {name!r} is unknown: choose one of {', '.join(PRESETS)}")
+        raise ParameterError(f"preset {shown(name)} is unknown: choose one of {', '.join(PRESETS)}")
     return PRESETS[name]
 
 
@@ -217,13 +217,12 @@ def with_settings(task: Task, values: dict[str, object]) -> Task:
             every = [f.name for f in dataclasses.fields(Task)] + [
                 f"{f.name}.{g.name}" for f in dataclasses.fields(Task) if dataclasses.is_dataclass(f.default) for g in dataclasses.fields(f.default)
             ]
-            near = difflib.get_close_matches(name, every, 1, 0.0)
-            raise ParameterError(f"setting {name!r} is unknown: did you mean {near[0]!r}?")
+            raise ParameterError(f"setting {shown(name)} is unknown: did you mean {nearest(name, every)!r}?")
         if isinstance(value, str) and "range" in known[name].metadata:
-            try:
-                value = float(value)
-            except ValueError:
-                raise ParameterError(f"{name} is {value!r}: give a number") from None
+            number = decimal(value.strip())
+            if number is None:
+                raise ParameterError(f"{name} is {shown(value)}: give a number in decimal digits, e.g. 300 or 1e-5")
+            value = number
         changed = dataclasses.replace(target, **{field_name: value})
         task = dataclasses.replace(task, **{part: changed}) if part else changed
     return task

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 
@@ -67,7 +68,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _track(given) -> Track:
     path = Path(given.source)
-    if not path.is_dir() and path.suffix != ".mcap":
+    if not os.path.isdir(path) and path.suffix != ".mcap":
         if given.walk:
             raise ParameterError("--walk is for a recording: the task of a genome says whether it walks")
         genome, task = load_genome(path), with_settings(Task(), pairs(given.set))

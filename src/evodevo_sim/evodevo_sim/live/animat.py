@@ -12,6 +12,7 @@ import numpy as np
 from ..brain.life import birth
 from ..brain.scent import make_signals, scent_row
 from ..genetics.genome import Genome
+from ..inputs import shown
 from ..parameters import ParameterError, Task
 from ..tasks.outcome import FAILURE, STIFF, Status
 from ..tasks.swim.fitness import kernel_arguments
@@ -132,7 +133,7 @@ class Stage:
         Returns whether another one lived until then.
         """
         if not 0.0 <= real_time_factor <= 1e6:
-            raise ParameterError(f"real_time_factor is {real_time_factor!r}: give a number up to 1e6, or 0 for as fast as it goes")
+            raise ParameterError(f"real_time_factor is {shown(real_time_factor)}: give a number up to 1e6, or 0 for as fast as it goes")
         return self._do(lambda: self._enter(animat, animat.task.control_step / real_time_factor if real_time_factor else 0.0))
 
     def pause(self, paused: bool) -> bool:

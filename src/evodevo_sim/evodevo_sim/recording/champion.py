@@ -31,8 +31,8 @@ def champion_of(source: str | os.PathLike, settings: dict[str, str], task_name: 
     Raises GenomeError, ParameterError or RecordingError.
     """
     path = Path(source)
-    name = path.resolve().name
-    if not path.is_dir() and path.suffix != ".mcap":
+    name = Path(os.path.realpath(path)).name
+    if not os.path.isdir(path) and path.suffix != ".mcap":
         return Champion(path.stem, load_genome(path), with_settings(default_task(task_name), settings))
     if settings:
         raise ParameterError("--set is for a genome file: a recording names its own task")

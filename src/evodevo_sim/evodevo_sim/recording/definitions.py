@@ -9,12 +9,14 @@ from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
 
+from ..inputs import InputError
+
 _SEPARATOR = "=" * 80
 _BUILT_IN = r"(bool|byte|char|float32|float64|u?int(8|16|32|64)|w?string)\b"
 _FIELD = re.compile(r"^([A-Za-z][\w/]*)(<=\d+)?(\[[^\]]*\])?\s+[a-z]\w*")
 
 
-class RecordingError(RuntimeError):
+class RecordingError(InputError, RuntimeError):
     """A recording that cannot be written or read; the message says which, why, and what to do."""
 
 

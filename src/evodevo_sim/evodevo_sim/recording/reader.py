@@ -109,9 +109,9 @@ def _watched(stream, file: Path, progress: bool):
 
 
 def _files(path: Path) -> list[Path]:
-    if path.is_file():
+    if os.path.isfile(path):
         return [path]
-    if not path.is_dir():
+    if not os.path.isdir(path):
         raise RecordingError(f"{path} does not exist: {_HOW}")
     files = sorted(path.glob("*.mcap"), key=lambda file: (len(file.name), file.name))  # run_2 before run_10
     if not files:

@@ -6,12 +6,13 @@ import os
 from contextlib import contextmanager
 from pathlib import Path
 
+from ..inputs import InputError
 from ..whole_file import written_whole
 
 BEGINS_WITH = {".rrd": b"RRF", ".png": b"\x89PNG", ".csv": b"cell"}
 
 
-class OutputError(RuntimeError):
+class OutputError(InputError, RuntimeError):
     """A file that cannot be written; the message says which, why, and what to do."""
 
 
@@ -19,9 +20,9 @@ def check(path: Path, ending: str) -> None:
     """Raise OutputError where `path` cannot be written, or holds anything but an older file of the same kind."""
     if path.suffix.lower() != ending:
         raise OutputError(f"{path}: give a name that ends in {ending}")
-    if path.is_dir():
+    if os.path.isdir(path):
         raise OutputError(f"{path} is a directory: give a file name in it")
-    if not path.parent.is_dir():
+    if not os.path.isdir(path.parent):
         raise OutputError(f"{path} cannot be written: make the directory {path.parent} first")
     try:
         begin = path.open("rb").read(4) if path.exists() else b""
