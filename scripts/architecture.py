@@ -17,6 +17,8 @@ FIGURE = ROOT / "docs" / "images" / "architecture.svg"
 
 # From the foundation up: name, what it holds, where the paper tells of it.
 ROOMS = (
+    ("inputs", "numbers and errors of what people give", ""),
+    ("text_file", "YAML and JSON with limits", ""),
     ("whole_file", "files written whole or not at all", ""),
     ("kernels", "how compiled code is made", ""),
     ("profiles", "heights of ground and ceiling", ""),

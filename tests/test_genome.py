@@ -51,12 +51,13 @@ def test_unequal_lengths_and_missing_header_are_refused():
 @pytest.mark.parametrize(
     "text, says",
     [
-        ("", "not a genome file"),
+        ("", "is empty"),
+        ("# nothing", "not a genome file"),
         ("evodevo_genome: 2\nelements: []", "version 2 is unknown"),
         ("evodevo_genome: 1\nelement: []", "unknown key 'element'"),
         ("evodevo_genome: 1\nelements: [1, 2]", "element 0: give exactly the keys"),
         ("evodevo_genome: 1\nelements:\n- {special: axis, sign: 1, x: 0, y: 0}", "element 0: special is 'axis'"),
-        ("evodevo_genome: [", "not valid YAML"),
+        ("evodevo_genome: [", "neither YAML nor JSON from line"),
         ("evodevo_genome: 1\nelements:\n- {special: maternal_x, sign: yes, x: 0, y: 0}", "element 0: sign"),
         ("evodevo_genome: 1\nelements:\n- {special: maternal_x, sign: 1, x: here, y: 0}", "element 0: x is 'here'"),
     ],
@@ -90,6 +91,6 @@ def test_saving_replaces_a_file_whole(tmp_path):
 def test_missing_and_binary_files_get_one_line(tmp_path):
     with pytest.raises(GenomeError, match="No such file"):
         load_genome(tmp_path / "none.yaml")
-    (tmp_path / "binary").write_bytes(b"\xff\xfe\x00")
+    (tmp_path / "binary").write_bytes(b"\xff\xfd\x00")
     with pytest.raises(GenomeError, match="not a text file"):
         load_genome(tmp_path / "binary")

@@ -260,7 +260,7 @@ def test_a_bad_body_is_one_line_that_names_the_field_and_leaves_nothing(tmp_path
     (["--duration", "1e5", "--dt", "1e-6"], "do not fit in memory"), (["--scene", "fly"], "scene 'fly' is unknown"),
     (["--integrator", "leapfrog"], "integrator 'leapfrog' is unknown"), (["--scene", "walk", "--integrator", "rk4"], "walk meets its ground"),
     (["--integrator", "rk4", "--tolerance", "1e-6"], "tolerance is for integrator adaptive"),
-    (["--integrator", "adaptive", "--dt", "0.01"], "give tolerance in place of dt"), (["--duration", "x"], "invalid float value"),
+    (["--integrator", "adaptive", "--dt", "0.01"], "give tolerance in place of dt"), (["--duration", "x"], "'x' is no number"),
 ])
 def test_a_bad_argument_is_one_line_and_leaves_nothing(tmp_path, capsys, arguments, says):
     assert says in refused(tmp_path, capsys, json.dumps(SQUARE), *arguments)

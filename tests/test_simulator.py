@@ -7,6 +7,8 @@ import sys
 
 import numpy as np
 import pytest
+import yaml
+from evodevo_sim.commands.request import main as request_main
 from evodevo_sim.live.animat import Animat
 from evodevo_sim.nodes.simulator import LATCHED
 from evodevo_sim.parameters import default_task, with_settings
@@ -20,8 +22,9 @@ from std_srvs.srv import SetBool, Trigger
 from test_chemotaxis import pulsing_smeller
 
 from evodevo_msgs.msg import Body, CellStates, Genome
+from evodevo_msgs.msg import Task as TaskMessage
 from evodevo_msgs.srv import Evaluate, Load
-from evodevo_sim import Status, Task, evaluate, perform, random_genome
+from evodevo_sim import Status, Task, evaluate, perform, random_genome, save_genome
 
 NAMESPACE = f"/test_{os.getpid()}"
 TASK = with_settings(Task(), {"development.max_cells": 8, "control_steps": 40})
@@ -74,6 +77,56 @@ def changed(task_part, **values):
 def test_a_task_that_cannot_work_is_named(lab, task, says):
     response = lab.call(Evaluate, f"{NAMESPACE}/evaluate", task=task, seed=1, genomes=[genome_message(hand_made())])
     assert says in response.error and "\n" not in response.error and not response.evaluations
+
+
+@pytest.mark.parametrize("name", ["", "swim"])
+def test_a_task_of_zeros_in_a_request_is_the_default_one(lab, name):
+    genome = first_viable(1)[0]
+    response = lab.call(Evaluate, f"{NAMESPACE}/evaluate", task=TaskMessage(name=name), seed=1, genomes=[genome_message(genome)])
+    assert response.error == "" and evaluation_from_message(response.evaluations[0]) == evaluate(genome, Task(), 1)
+    assert lab.call(Load, f"{NAMESPACE}/load", task=TaskMessage(name=name), genome=genome_message(genome)).success
+
+
+def test_a_task_filled_in_part_is_checked_and_never_completed(lab):
+    for task, says in (
+        (TaskMessage(name="fly"), "task 'fly' is unknown"), (TaskMessage(name="f" * 10_000), "is unknown"), (TaskMessage(control_steps=40), "development.max_cells is 0"),
+        (TaskMessage(name="swim", control_steps=40), "development.max_cells is 0"), (TaskMessage(name="walk", control_step=float("nan")), "is"),
+    ):
+        answer = lab.call(Load, f"{NAMESPACE}/load", task=task, genome=genome_message(dividing()))
+        assert not answer.success and says in answer.message and len(answer.message) <= 300
+
+
+def filled(message, values):
+    """A message with the fields that a request's YAML names, as `ros2 service call` fills it."""
+    for name, value in values.items():
+        kind = message.get_fields_and_field_types()[name]
+        if isinstance(value, dict):
+            filled(getattr(message, name), value)
+        elif kind.startswith("sequence<evodevo"):
+            setattr(message, name, [filled(Genome(), one) for one in value])
+        else:
+            setattr(message, name, value)
+    return message
+
+
+def test_what_the_request_command_prints_is_taken(lab, tmp_path, capsys):
+    genome = first_viable(1)[0]
+    save_genome(tmp_path / "genome.yaml", genome)
+    for more, service, task in (([], "load", Task()), (["--set", "development.max_cells=8"], "load", None), (["--service", "evaluate"], "evaluate", Task())):
+        assert request_main([str(tmp_path / "genome.yaml"), *more]) == 0
+        text = capsys.readouterr().out
+        kind = {"load": Load, "evaluate": Evaluate}[service]
+        request = filled(kind.Request(), yaml.safe_load(text))
+        answer = lab.call(kind, f"{NAMESPACE}/{service}", **{name: getattr(request, name) for name in request.get_fields_and_field_types()})
+        if service == "load":
+            assert answer.success and (task is None or "name: swim}" in text)
+        else:
+            assert evaluation_from_message(answer.evaluations[0]) == evaluate(genome, task)
+    for arguments in (["--service", "pause"], ["--real-time-factor", "nan"], ["--task", "x" * 1000]):
+        with pytest.raises(SystemExit) as left:
+            request_main([str(tmp_path / "genome.yaml"), *arguments])
+        said = capsys.readouterr().err
+        assert left.value.code == 2 and said.count("\n") == 1 and len(said) <= 301
 
 
 @pytest.mark.parametrize("count", [0, 100_000])

@@ -22,13 +22,14 @@ def test_points_come_from_csv_and_yaml(tmp_path, name, text):
 @pytest.mark.parametrize(
     "name, text, says",
     [
-        ("a.csv", "1,2\n3,four\n", "line 2: ['3', 'four'] is no point"),
+        ("a.csv", "1,2\n3,four\n", "line 2: [3, 'four'] is no point"),
         ("b.csv", "1,2,3\n", "line 1"),
-        ("c.csv", "1,nan\n", "(1.0, nan) is not finite"),
-        ("d.csv", "", "0 points"),
+        ("c.csv", "1,nan\n", "line 1: [1, 'nan'] is no point"),
+        ("d.csv", "", "is empty"),
+        ("d2.csv", "x,y\n", "no points"),
         ("e.yaml", "- [1, 2]\n- {x: 1}\n", "point 2"),
         ("f.yaml", "x: 1\n", "holds no list"),
-        ("g.yaml", "- [1, 2\n", "no YAML"),
+        ("g.yaml", "- [1, 2\n", "neither YAML nor JSON from line 2"),
         ("h.yaml", "- 7\n", "point 1: 7 is no point"),
     ],
 )
@@ -40,7 +41,7 @@ def test_a_file_that_draws_nothing_is_named_with_the_mend(tmp_path, name, text, 
 
 
 def test_what_is_no_file_or_no_text_is_named(tmp_path):
-    (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00")
+    (tmp_path / "binary.csv").write_bytes(b"\xff\xfd\x00")
     for path in (tmp_path / "none.csv", tmp_path / "binary.csv"):
         with pytest.raises(ParameterError, match="give a line"):
             load_points(path)

@@ -202,7 +202,7 @@ BAD_WORLDS = {
     "grond: []": "'grond' is unknown: did you mean 'ground'",
     "slope: 3\nsteps: {}": "slope and steps are both given",
     "- 1": "give keys and values",
-    "ground: [[0, 0": "not YAML from line",
+    "ground: [[0, 0": "neither YAML nor JSON from line",
 }
 
 

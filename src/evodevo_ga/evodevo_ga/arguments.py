@@ -8,7 +8,7 @@ from datetime import datetime
 from pathlib import Path
 
 from evodevo_sim.parameters import PRESETS, default_task, known_kind, preset, with_settings
-from evodevo_sim.ros.command_line import Parser, pairs
+from evodevo_sim.ros.command_line import Parser, pairs, real_number, whole_number
 from evodevo_sim.ros.process import without_ros
 from evodevo_sim.task_kinds import names
 from evodevo_sim.worlds import PRESETS as WORLDS
@@ -48,6 +48,7 @@ The run's directory holds a rosbag2 recording in MCAP and champion.yaml. See it 
   ros2 run evodevo_sim replay DIR
 Exit code: 0; 1 where nothing viable evolved, the best of all having failed; 2 for bad input, or without simulators; 130 where you stopped it.
 """
+_NUMBER = {int: whole_number, float: real_number}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -69,12 +70,12 @@ def parse(arguments: list[str]) -> Options:
     parser.add_argument("--task", default=names()[0], metavar="NAME", help=f"what to evolve for: {', '.join(names())} (default %(default)s)")
     parser.add_argument("--world", metavar="NAME|FILE", help=f"walk: {', '.join(WORLDS)}, or a file of your own (default flat)")
     starts = f"walk: orientations at birth, of which the worse half counts (default {default_task('walk').starts})"
-    parser.add_argument("--starts", type=int, metavar="N", help=starts)
-    parser.add_argument("--cells", default=32, type=int, metavar="N", help="most cells of a body (default %(default)s)")
-    parser.add_argument("--seed", default=1, type=int, metavar="N", help="same seed, same champions, bit for bit (default %(default)s)")
+    parser.add_argument("--starts", type=whole_number, metavar="N", help=starts)
+    parser.add_argument("--cells", default=32, type=whole_number, metavar="N", help="most cells of a body (default %(default)s)")
+    parser.add_argument("--seed", default=1, type=whole_number, metavar="N", help="same seed, same champions, bit for bit (default %(default)s)")
     parser.add_argument("--out", metavar="DIR", help="directory of the run, made anew (default bags/TASK-DATE-TIME)")
-    parser.add_argument("--simulators", type=int, metavar="N", help="start N simulator nodes of our own, whatever is on the graph")
-    parser.add_argument("--look", default=1.5, type=float, metavar="S", help="seconds to look for simulators on the graph (default %(default)s)")
+    parser.add_argument("--simulators", type=whole_number, metavar="N", help="start N simulator nodes of our own, whatever is on the graph")
+    parser.add_argument("--look", default=1.5, type=real_number, metavar="S", help="seconds to look for simulators on the graph (default %(default)s)")
     parser.add_argument("--start", nargs="+", default=[], metavar="FILE|DIR", help="genomes to begin from, or runs with a champion.yaml")
     parser.add_argument("--quiet", action="store_true", help="no progress bar, and no table of times")
     group = parser.add_argument_group("genetic algorithm")
@@ -85,7 +86,7 @@ def parse(arguments: list[str]) -> Options:
     )
     for field in dataclasses.fields(Settings):
         group.add_argument(
-            f"--{field.name.replace('_', '-')}", type=type(field.default), metavar="N" if isinstance(field.default, int) else "X",
+            f"--{field.name.replace('_', '-')}", type=_NUMBER[type(field.default)], metavar="N" if isinstance(field.default, int) else "X",
             help=f"{field.metadata['meaning']} (default {_defaults(field)})",
         )
     parser.add_argument("--preset", metavar="NAME", help=f"a named set of numbers of the model: {', '.join(PRESETS)}")
@@ -127,7 +128,7 @@ def _defaults(field) -> str:
 
 
 def _genome_file(path: Path) -> Path:
-    return path / "champion.yaml" if path.is_dir() else path
+    return path / "champion.yaml" if os.path.isdir(path) else path
 
 
 def cores() -> int:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
+from evodevo_sim.inputs import shown
 from evodevo_sim.parameters import known_kind
 
 from evodevo_sim import ParameterError
@@ -82,7 +83,7 @@ def default_scheme(task: str, settings: dict[str, float] | None = None) -> str:
 def scheme_of(name: str) -> Scheme:
     """Raises ParameterError where there is none of that name."""
     if name not in SCHEMES:
-        raise ParameterError(f"scheme {name!r} is unknown: choose one of {', '.join(SCHEMES)}")
+        raise ParameterError(f"scheme {shown(name)} is unknown: choose one of {', '.join(SCHEMES)}")
     return SCHEMES[name]
 
 

@@ -7,11 +7,11 @@ choose it, stands in `docs/model.md`.
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import math
 from collections import namedtuple
 from dataclasses import dataclass, field
 
+from .inputs import InputError, decimal, nearest, shown
 from .profiles import fault
 from .task_kinds import TaskKind, kind_of, names
 
@@ -20,7 +20,7 @@ FITNESSES = ("sustained", "distance")
 PROFILES = ("ground_x", "ground_y", "ceiling_x", "ceiling_y")
 
 
-class ParameterError(ValueError):
+class ParameterError(InputError, ValueError):
     """A setting that cannot work; the message names it, its value and what would."""
 
 
@@ -41,12 +41,12 @@ class Checked:
             where = f"{type(self).__name__.lower()}.{item.name}"
             number = int if isinstance(item.default, int) else float
             try:
-                converted = number(value)
+                converted, finite = number(value), math.isfinite(float(value)) and not isinstance(value, bool)
             except (TypeError, ValueError, OverflowError):
-                raise ParameterError(f"{where} is {value!r}: give a number from {low:g} to {high:g}") from None
-            if not math.isfinite(float(value)) or converted != value or not low <= converted <= high:
+                raise ParameterError(f"{where} is {shown(value)}: give a number from {low:g} to {high:g}") from None
+            if not finite or converted != value or not low <= converted <= high:
                 kind = "a whole number" if number is int else "a number"
-                raise ParameterError(f"{where} is {value!r}: give {kind} from {low:g} to {high:g} {item.metadata['unit']}".rstrip())
+                raise ParameterError(f"{where} is {shown(value)}: give {kind} from {low:g} to {high:g} {item.metadata['unit']}".rstrip())
             object.__setattr__(self, item.name, converted)
 
     def arguments(self):
@@ -78,7 +78,7 @@ class Development(Checked):
     def __post_init__(self):
         super().__post_init__()
         if self.variant not in VARIANTS:
-            raise ParameterError(f"development.variant is {self.variant!r}: choose one of {', '.join(VARIANTS)}")
+            raise ParameterError(f"development.variant is {shown(self.variant)}: choose one of {', '.join(VARIANTS)}")
 
 
 @dataclass(frozen=True)
@@ -110,8 +110,8 @@ class Scene(Checked):
             value = getattr(self, name)
             try:
                 object.__setattr__(self, name, tuple(float(item) for item in (value if not isinstance(value, str) else None)))
-            except (TypeError, ValueError):
-                raise ParameterError(f"scene.{name} is {value!r}: give a world, by --world, which is made of points") from None
+            except (TypeError, ValueError, OverflowError):
+                raise ParameterError(f"scene.{name} is {shown(value)}: give a world, by --world, which is made of points") from None
         wrong = fault(*(getattr(self, name) for name in PROFILES))
         if wrong:
             raise ParameterError(f"scene: {wrong}")
@@ -167,7 +167,7 @@ class Task(Checked):
         kind = known_kind(self.name)
         object.__setattr__(self, "fitness", self.fitness or FITNESSES[0])
         if self.fitness not in FITNESSES:
-            raise ParameterError(f"task.fitness is {self.fitness!r}: choose one of {', '.join(FITNESSES)}")
+            raise ParameterError(f"task.fitness is {shown(self.fitness)}: choose one of {', '.join(FITNESSES)}")
         if self.fitness not in kind.fitnesses:
             why = ", which is scored by tests with targets" if kind.has_target else ""
             raise ParameterError(f"task.fitness is {self.fitness!r}: leave it at {kind.fitnesses[0]!r} where the task is {self.name}{why}")
@@ -205,7 +205,7 @@ PRESETS: dict[str, dict[str, object]] = {
 def preset(name: str) -> dict[str, object]:
     """The settings of a preset, for `with_settings`.  Raises ParameterError where there is none of that name."""
     if name not in PRESETS:
-        raise ParameterError(f"preset {name!r} is unknown: choose one of {', '.join(PRESETS)}")
+        raise ParameterError(f"preset {shown(name)} is unknown: choose one of {', '.join(PRESETS)}")
     return PRESETS[name]
 
 
@@ -218,7 +218,7 @@ def known_kind(name: str) -> TaskKind:
     """The kind of task of a name.  Raises ParameterError that names those that exist."""
     kind = kind_of(name)
     if kind is None:
-        raise ParameterError(f"task {name!r} is unknown: choose one of {', '.join(names())}")
+        raise ParameterError(f"task {shown(name)} is unknown: choose one of {', '.join(names())}")
     return kind
 
 
@@ -242,13 +242,12 @@ def with_settings(task: Task, values: dict[str, object]) -> Task:
             every = [f.name for f in dataclasses.fields(Task)] + [
                 f"{f.name}.{g.name}" for f in dataclasses.fields(Task) if dataclasses.is_dataclass(f.default) for g in dataclasses.fields(f.default)
             ]
-            near = difflib.get_close_matches(name, every, 1, 0.0)
-            raise ParameterError(f"setting {name!r} is unknown: did you mean {near[0]!r}?")
+            raise ParameterError(f"setting {shown(name)} is unknown: did you mean {nearest(name, every)!r}?")
         if isinstance(value, str) and "range" in known[name].metadata:
-            try:
-                value = float(value)
-            except ValueError:
-                raise ParameterError(f"{name} is {value!r}: give a number") from None
+            number = decimal(value.strip())
+            if number is None:
+                raise ParameterError(f"{name} is {shown(value)}: give a number in decimal digits, e.g. 300 or 1e-5")
+            value = number
         changed = dataclasses.replace(target, **{field_name: value})
         task = dataclasses.replace(task, **{part: changed}) if part else changed
     return task

@@ -12,14 +12,13 @@ In place of ground: `slope: DEGREES`, `steps: {rise, run, level}`, `rough: {seed
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import os
-from pathlib import Path
 
 import numpy as np
-import yaml
 
+from .inputs import nearest, shown
 from .parameters import ParameterError, Task
+from .text_file import parsed, read_text
 
 _LENGTH = 150.0  # m to each side, that made grounds are long
 _WALL = 0.05  # m, run of a wall
@@ -47,11 +46,10 @@ def with_world(task: Task, name: str | os.PathLike) -> Task:
     """A task in the world of a preset's name or of a file.  Raises ParameterError that names what is wrong and the mend."""
     document = PRESETS.get(str(name))
     if document is None:
-        path = Path(name)
-        if not path.is_file():
-            near = difflib.get_close_matches(str(name), PRESETS, 1, 0.0)[0]
-            raise ParameterError(f"world {str(name)!r} is neither a file nor one of {', '.join(PRESETS)}: did you mean {near!r}?")
-        document = _read(path)
+        if not os.path.exists(name):
+            near = nearest(name, PRESETS)
+            raise ParameterError(f"world {shown(str(name))} is neither a file nor one of {', '.join(PRESETS)}: did you mean {near!r}?")
+        document = _read(name)
     if not task.has_ground:
         raise ParameterError(f"a world is for tasks that happen on the ground, such as walk: {task.name} has no ground")
     try:
@@ -63,7 +61,7 @@ def with_world(task: Task, name: str | os.PathLike) -> Task:
 def scene_of(document: dict) -> dict:
     """The fields of `parameters.Scene` that a world's document sets.  Raises ParameterError."""
     if not isinstance(document, dict):
-        raise ParameterError(f"it is {type(document).__name__}: give keys and values, e.g. friction: 0.8")
+        raise ParameterError(f"it is {shown(document)}: give keys and values, e.g. friction: 0.8")
     _check_names(document, _KEYS, "key")
     grounds = [key for key in ("ground", "slope", *_MADE) if key in document]
     if len(grounds) > 1:
@@ -75,25 +73,23 @@ def scene_of(document: dict) -> dict:
     return fields
 
 
-def _read(path: Path):
+def _read(path):
+    text = read_text(path, ParameterError, "a file of YAML, e.g. 'friction: 0.8', or the name of a world")
     try:
-        return yaml.safe_load(path.read_text(encoding="utf-8")) or {}
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        mark = getattr(error, "problem_mark", None)
-        where = f" from line {mark.line + 1} on" if mark else ""
-        raise ParameterError(f"world {path}: not YAML{where}: mend its syntax") from None
+        return parsed(text, ParameterError)
+    except ParameterError as error:
+        raise ParameterError(f"world {path}: {error}") from None
 
 
 def _check_names(given, known, what):
     for name in given:
         if name not in known:
-            near = difflib.get_close_matches(str(name), known, 1, 0.0)[0]
-            raise ParameterError(f"{what} {name!r} is unknown: did you mean {near!r}?")
+            raise ParameterError(f"{what} {shown(name)} is unknown: did you mean {nearest(name, known)!r}?")
 
 
 def _number(value, low, high, where):
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not low <= value <= high:
-        raise ParameterError(f"{where} is {value!r}: give a number from {low:g} to {high:g}")
+        raise ParameterError(f"{where} is {shown(value)}: give a number from {low:g} to {high:g}")
     return value
 
 
@@ -102,10 +98,10 @@ def _points(document, key):
     if points is None:
         return None
     if not isinstance(points, list) or not points:
-        raise ParameterError(f"{key} is {points!r}: give a list of points [x, y]")
+        raise ParameterError(f"{key} is {shown(points)}: give a list of points [x, y]")
     for k, point in enumerate(points):
         if not isinstance(point, list) or len(point) != 2:
-            raise ParameterError(f"{key}[{k}] is {point!r}: give a point [x, y]")
+            raise ParameterError(f"{key}[{k}] is {shown(point)}: give a point [x, y]")
         for value in point:
             _number(value, -1e6, 1e6, f"{key}[{k}]")
     return points
@@ -114,9 +110,9 @@ def _points(document, key):
 def _ground(document):
     for key, make in (("steps", _steps), ("rough", _rough), ("bumps", _bumps)):
         if key in document:
-            given = document[key] or {}
+            given = {} if document[key] is None else document[key]
             if not isinstance(given, dict):
-                raise ParameterError(f"{key} is {given!r}: give {', '.join(_MADE[key])}")
+                raise ParameterError(f"{key} is {shown(given)}: give {', '.join(_MADE[key])}")
             _check_names(given, _MADE[key], f"{key}: key")
             whole = {
                 name: _number(given.get(name, default), low, high, f"{key}.{name}") for name, (default, low, high) in _MADE[key].items()
@@ -145,7 +141,7 @@ def _steps(rise, run, level):
 
 def _rough(seed, spacing, height, level):
     if isinstance(seed, float):
-        raise ParameterError(f"rough.seed is {seed!r}: give a whole number")
+        raise ParameterError(f"rough.seed is {shown(seed)}: give a whole number")
     x = np.arange(max(level, spacing), _LENGTH, spacing)
     left, right = np.random.default_rng(seed).uniform(0.0, height, (2, len(x)))
     left[0] = right[0] = 0.0

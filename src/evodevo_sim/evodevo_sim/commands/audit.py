@@ -9,7 +9,7 @@ from ..parameters import ParameterError
 from ..physics.energy import LEDGER
 from ..recording import RecordingError
 from ..recording.champion import champion_of
-from ..ros.command_line import Parser, pairs, say_if_compiling, warn
+from ..ros.command_line import Parser, pairs, real_number, say_if_compiling, warn
 from ..ros.process import without_ros
 from ..task_kinds import names
 from ..tasks.audit import MOST_CHANGE, Audit, audit
@@ -37,7 +37,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--task", default=names()[0], metavar="NAME", help=f"for a genome: {', '.join(names())} (default %(default)s)")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="for a genome: a number of its task")
     parser.add_argument(
-        "--within", type=float, metavar="X", help=f"change that still stands, relative (default {MOST_CHANGE}, of walkers {MOST_WALK_CHANGE})"
+        "--within", type=real_number, metavar="X", help=f"change that still stands, relative (default {MOST_CHANGE}, of walkers {MOST_WALK_CHANGE})"
     )
     given = parser.parse_args(without_ros(parser, sys.argv[1:] if arguments is None else arguments))
     try:

@@ -14,7 +14,7 @@ from ..own_body.motion import FRAME, SCENES, Motion, simulate_body
 from ..parameters import ParameterError
 from ..physics.stability import INTEGRATORS
 from ..recording import Recorder, RecordingError
-from ..ros.command_line import Parser, say_if_compiling
+from ..ros.command_line import Parser, real_number, say_if_compiling
 from ..ros.messages import body_message, cell_states_message, scene_message
 from ..ros.process import without_ros
 from ..whole_file import written_whole
@@ -44,9 +44,9 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("body", metavar="BODY", help="a body file, YAML or JSON")
     parser.add_argument("--scene", default="swim", metavar="NAME", help=f"{', '.join(SCENES)} (default %(default)s)")
     parser.add_argument("--world", metavar="NAME|FILE", help=f"walk: {', '.join(PRESETS)}, or a file (docs/walking.md; default flat)")
-    parser.add_argument("--duration", required=True, type=float, metavar="S", help="simulated seconds")
-    parser.add_argument("--dt", type=float, metavar="S", help="seconds of a step, exactly")
-    parser.add_argument("--tolerance", type=float, metavar="M", help="most error of an adaptive step, in m and m/s")
+    parser.add_argument("--duration", required=True, type=real_number, metavar="S", help="simulated seconds")
+    parser.add_argument("--dt", type=real_number, metavar="S", help="seconds of a step, exactly")
+    parser.add_argument("--tolerance", type=real_number, metavar="M", help="most error of an adaptive step, in m and m/s")
     parser.add_argument("--integrator", metavar="NAME", help=f"{', '.join(INTEGRATORS)} (default euler in walk, or else rk4)")
     parser.add_argument("--out", required=True, metavar="BAG", help="directory of the recording, made anew")
     parser.add_argument("--npz", metavar="FILE", help="a file for every frame, made anew")
@@ -79,9 +79,9 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _refuse_existing(given):
     for name in filter(None, (given.out, given.npz)):
-        if Path(name).exists():
+        if os.path.lexists(name):
             raise RecordingError(f"{name} exists already and is never overwritten: choose another name")
-    if given.npz and not Path(given.npz).absolute().parent.is_dir():
+    if given.npz and not os.path.isdir(Path(given.npz).absolute().parent):
         raise RecordingError(f"{given.npz}: its directory does not exist: make it, or choose another name")
 
 

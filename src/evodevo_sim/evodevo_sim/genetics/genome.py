@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..inputs import InputError
+
 SPECIAL, REGULATORY, TRANSCRIPTION_FACTOR, MORPHOGEN = range(4)
 KINDS = ("special", "regulatory", "transcription_factor", "morphogen")
 
@@ -18,7 +20,7 @@ MAX_ELEMENTS = 100_000
 MAX_COORDINATE = 1e6
 
 
-class GenomeError(ValueError):
+class GenomeError(InputError, ValueError):
     """A malformed genome; the message says which element and how to mend it."""
 
 

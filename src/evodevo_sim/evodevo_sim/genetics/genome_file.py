@@ -14,12 +14,13 @@ from pathlib import Path
 
 import yaml
 
+from ..inputs import shown
+from ..text_file import parsed, read_text
 from ..whole_file import written_whole
 from .genome import HEADER, HEADER_NAMES, KINDS, SPECIAL, Genome, GenomeError
 
 VERSION = 1
 _KIND_NUMBER = {name: number for number, name in enumerate(KINDS)}
-_Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 def genome_text(genome: Genome, about: dict[str, str] | None = None) -> str:
@@ -48,12 +49,7 @@ def save_genome(path: str | os.PathLike, genome: Genome, about: dict[str, str] |
 
 def load_genome(path: str | os.PathLike) -> Genome:
     """Read a genome file.  Raises GenomeError that names file, element and mend."""
-    try:
-        text = Path(path).read_text(encoding="utf-8")
-    except OSError as error:
-        raise GenomeError(f"{path}: {error.strerror}: give the path of a genome file") from None
-    except UnicodeDecodeError:
-        raise GenomeError(f"{path}: not a text file: give a genome file, YAML that begins with 'evodevo_genome: {VERSION}'") from None
+    text = read_text(path, GenomeError, f"a genome file, YAML that begins with 'evodevo_genome: {VERSION}'")
     try:
         return parse_genome(text)
     except GenomeError as error:
@@ -62,18 +58,17 @@ def load_genome(path: str | os.PathLike) -> Genome:
 
 def parse_genome(text: str) -> Genome:
     """The genome of a genome file's text."""
-    try:
-        document = yaml.load(text, _Loader)
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        raise GenomeError(f"not valid YAML{f' at line {mark.line + 1}' if mark else ''}: mend it or use an intact copy") from None
+    document = parsed(text, GenomeError)
     if not isinstance(document, dict) or "evodevo_genome" not in document:
         raise GenomeError(f"not a genome file: it must begin with 'evodevo_genome: {VERSION}'")
-    if document["evodevo_genome"] != VERSION:
-        raise GenomeError(f"version {document['evodevo_genome']!r} is unknown: this program reads version {VERSION}")
-    unknown = sorted(set(document) - {"evodevo_genome", "about", "elements"}, key=str)
+    version = document["evodevo_genome"]
+    if type(version) is not int or version != VERSION:
+        raise GenomeError(f"version {shown(version)} is unknown: this program reads version {VERSION}")
+    unknown = sorted(set(document) - {"evodevo_genome", "about", "elements"})
     if unknown:
-        raise GenomeError(f"unknown key {unknown[0]!r}: use 'about' and 'elements'")
+        raise GenomeError(f"unknown key {shown(unknown[0])}: use 'about' and 'elements'")
+    if not isinstance(document.get("about", {}), dict):
+        raise GenomeError(f"about is {shown(document['about'])}: give keys and values, or leave it out")
     elements = document.get("elements")
     if not isinstance(elements, list):
         raise GenomeError("'elements' is missing or not a list: give one entry per genetic element")
@@ -88,15 +83,15 @@ def _element(i, entry):
         raise GenomeError(f"element {i}: give exactly the keys {', '.join(sorted(names))}")
     if special:
         if entry["special"] != HEADER_NAMES[i]:
-            raise GenomeError(f"element {i}: special is {entry['special']!r}: the header has {HEADER_NAMES[i]!r} here")
+            raise GenomeError(f"element {i}: special is {shown(entry['special'])}: the header has {HEADER_NAMES[i]!r} here")
         kind = SPECIAL
     else:
         kind = _KIND_NUMBER.get(entry["kind"], SPECIAL) if isinstance(entry["kind"], str) else SPECIAL
         if kind == SPECIAL:
-            raise GenomeError(f"element {i}: kind is {entry['kind']!r}: use one of {', '.join(KINDS[1:])}")
+            raise GenomeError(f"element {i}: kind is {shown(entry['kind'])}: use one of {', '.join(KINDS[1:])}")
     for key in ("sign", "x", "y"):
         if isinstance(entry[key], bool) or not isinstance(entry[key], (int, float)):
-            raise GenomeError(f"element {i}: {key} is {entry[key]!r}: give a number")
+            raise GenomeError(f"element {i}: {key} is {shown(entry[key])}: give a number")
     if entry["sign"] not in (1, -1):
-        raise GenomeError(f"element {i}: sign is {entry['sign']!r}: give +1 or -1")
+        raise GenomeError(f"element {i}: sign is {shown(entry['sign'])}: give +1 or -1")
     return kind, int(entry["sign"]), float(entry["x"]), float(entry["y"])

@@ -8,6 +8,7 @@ import time
 from concurrent.futures import Future
 
 from ..genetics.genome import Genome
+from ..inputs import shown
 from ..parameters import ParameterError, Task
 from ..plant import Outcome
 from ..tasks.outcome import FAILURE, STIFF, Status
@@ -97,7 +98,7 @@ class Stage:
         Returns whether another one lived until then.
         """
         if not 0.0 <= real_time_factor <= 1e6:
-            raise ParameterError(f"real_time_factor is {real_time_factor!r}: give a number up to 1e6, or 0 for as fast as it goes")
+            raise ParameterError(f"real_time_factor is {shown(real_time_factor)}: give a number up to 1e6, or 0 for as fast as it goes")
         return self._do(lambda: self._enter(animat, animat.task.control_step / real_time_factor if real_time_factor else 0.0))
 
     def pause(self, paused: bool) -> bool:

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import csv
+import io
 import math
 import os
-from pathlib import Path
+from itertools import islice
 
 import numpy as np
-import yaml
 
+from ..inputs import decimal, shown
 from ..parameters import ParameterError
+from ..text_file import parsed, read_text
 
 _HOW = "give a line `x,y` in metres for each target, or in YAML a list of [x, y]"
-MOST_POINTS = 1_000_000
+MOST_POINTS = 100_000
 
 
 class Drawn:
@@ -46,39 +48,46 @@ class Random:
 
 def load_points(path: str | os.PathLike) -> np.ndarray:
     """The points (K, 2) m of a CSV or YAML file.  Raises ParameterError that names the line and how to mend it."""
-    path = Path(path)
+    text = read_text(path, ParameterError, _HOW.removeprefix("give "))
+    rows = _from_yaml(text) if os.fspath(path).endswith((".yaml", ".yml", ".json")) else _from_csv(text)
     try:
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise ParameterError(f"{path}: {error.strerror}: {_HOW}") from None
-    except UnicodeDecodeError:
-        raise ParameterError(f"{path} is not text: {_HOW}") from None
-    rows = _from_yaml(path, text) if path.suffix in (".yaml", ".yml") else _from_csv(text)
-    points = []
-    for where, row in rows:
-        try:
-            x, y = (float(value) for value in row)
-        except (TypeError, ValueError):
-            raise ParameterError(f"{path}: {where}: {row!r} is no point: {_HOW}") from None
-        if not (math.isfinite(x) and math.isfinite(y)):
-            raise ParameterError(f"{path}: {where}: ({x}, {y}) is not finite: {_HOW}")
-        points.append((x, y))
-    if not 0 < len(points) <= MOST_POINTS:
-        raise ParameterError(f"{path}: {len(points)} points: {_HOW}, 1 to {MOST_POINTS:,} in all")
-    return np.array(points)
+        points = [_point(where, row) for where, row in islice(rows, MOST_POINTS + 1)]
+        if not 0 < len(points) <= MOST_POINTS:
+            raise ParameterError(f"{f'more than {MOST_POINTS:,}' if points else 'no'} points")
+    except ParameterError as error:
+        raise ParameterError(f"{path}: {error}: {_HOW}") from None
+    return np.array(points, float)
 
 
-def _from_yaml(path, text):
-    try:
-        data = yaml.safe_load(text)
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        raise ParameterError(f"{path}: {f'line {mark.line + 1}: ' if mark else ''}no YAML: {_HOW}") from None
+def _point(where, row):
+    if not (isinstance(row, list) and len(row) == 2 and all(type(value) in (int, float) for value in row)):
+        raise ParameterError(f"{where}: {shown(row)} is no point")
+    if not all(map(math.isfinite, row)):
+        raise ParameterError(f"{where}: {shown(row)} is not finite")
+    return row
+
+
+def _from_yaml(text):
+    data = parsed(text, ParameterError)
     if not isinstance(data, list):
-        raise ParameterError(f"{path} holds no list: {_HOW}")
-    return [(f"point {k + 1}", row) for k, row in enumerate(data)]
+        raise ParameterError("holds no list")
+    yield from ((f"point {k + 1}", row) for k, row in enumerate(data))
 
 
 def _from_csv(text):
-    rows = [(f"line {k + 1}", row) for k, row in enumerate(csv.reader(text.splitlines())) if row and not row[0].startswith("#")]
-    return rows[1:] if rows and [name.strip() for name in rows[0][1]] == ["x", "y"] else rows
+    """Rows with their places; of what spells a number, the number."""
+    lines, first = csv.reader(io.StringIO(text)), True
+    try:
+        for row in lines:
+            if not row or row[0].startswith("#"):
+                continue
+            if not first or [name.strip() for name in row[:3]] != ["x", "y"]:
+                yield f"line {lines.line_num}", [_read(cell) for cell in row] if len(row) == 2 else row
+            first = False
+    except csv.Error as error:
+        raise ParameterError(f"line {lines.line_num}: {error}") from None
+
+
+def _read(cell):
+    number = decimal(cell.strip())
+    return cell if number is None else number

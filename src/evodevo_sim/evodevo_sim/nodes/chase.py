@@ -25,7 +25,7 @@ from ..live.targets import Drawn, Random, load_points
 from ..parameters import ParameterError
 from ..recording import Recorder, RecordingError, is_recording, read_recording
 from ..recording.champion import Champion, champion_of
-from ..ros.command_line import Parser, pairs, warn
+from ..ros.command_line import Parser, pairs, real_number, warn, whole_number
 from ..ros.messages import genome_message, target_message, task_message
 from ..ros.own_simulators import OwnSimulators
 from ..ros.process import stay_on_this_host, without_ros
@@ -61,13 +61,13 @@ def _parse(arguments):
     parser = Parser("chase", "Let an animat follow targets, live.", _EPILOG)
     parser.add_argument("source", metavar="GENOME|BAG", help="a genome file, or the recording of a run")
     parser.add_argument("--targets", default="random", metavar="random|FILE|BAG", help="where targets come from (default %(default)s)")
-    parser.add_argument("--count", type=int, metavar="N", help="targets (default: 10 random ones, or all)")
-    parser.add_argument("--distance", type=float, nargs=2, default=(4.0, 12.0), metavar="M", help="of random targets, from and to (default 4 12)")
-    parser.add_argument("--seed", type=int, default=1, metavar="N", help="of random targets (default %(default)s)")
-    parser.add_argument("--each", type=float, default=60.0, metavar="S", help="simulated seconds for each target (default %(default)s)")
-    parser.add_argument("--capture", type=float, default=3.0, metavar="M", help="distance that counts as captured (default %(default)s)")
+    parser.add_argument("--count", type=whole_number, metavar="N", help="targets (default: 10 random ones, or all)")
+    parser.add_argument("--distance", type=real_number, nargs=2, default=(4.0, 12.0), metavar="M", help="of random targets, from and to (default 4 12)")
+    parser.add_argument("--seed", type=whole_number, default=1, metavar="N", help="of random targets (default %(default)s)")
+    parser.add_argument("--each", type=real_number, default=60.0, metavar="S", help="simulated seconds for each target (default %(default)s)")
+    parser.add_argument("--capture", type=real_number, default=3.0, metavar="M", help="distance that counts as captured (default %(default)s)")
     pace = "simulated s per s; beyond about 5, cell states are missed and targets come late (default %(default)s)"
-    parser.add_argument("--real-time-factor", type=float, default=1.0, metavar="X", help=pace)
+    parser.add_argument("--real-time-factor", type=real_number, default=1.0, metavar="X", help=pace)
     parser.add_argument("--simulator", metavar="NAMESPACE", help="of a simulator node on the graph (default: one of our own)")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="for a genome: a number of its task")
     parser.add_argument("--out", type=Path, metavar="DIR", help="directory of a recording, made anew")

@@ -17,6 +17,7 @@ from evodevo_msgs.msg import Body, CellStates
 from evodevo_msgs.srv import Evaluate, Load
 
 from ..genetics.genome import Genome, GenomeError
+from ..inputs import shown
 from ..live.animat import Animat, NotViable, Stage
 from ..parameters import ParameterError, default_task
 from ..ros.command_line import Parser
@@ -25,7 +26,7 @@ from ..ros.messages import (
     cell_states_message,
     evaluation_message,
     genome_from_message,
-    task_from_message,
+    task_of_request,
 )
 from ..ros.process import run
 from ..task_kinds import names
@@ -77,7 +78,7 @@ class Simulator(Node):
             response.error = f"{len(request.genomes)} genomes in a request: give 1 to {self._most}"
             return response
         try:
-            task = task_from_message(request.task)
+            task = task_of_request(request.task)
         except ParameterError as error:
             response.error = str(error)
             return response
@@ -95,7 +96,7 @@ class Simulator(Node):
 
     def _load(self, request, response):
         try:
-            animat = Animat(genome_from_message(request.genome), task_from_message(request.task), request.seed)
+            animat = Animat(genome_from_message(request.genome), task_of_request(request.task), request.seed)
             replaced = self._stage.load(animat, request.real_time_factor)
         except (GenomeError, ParameterError, NotViable) as error:
             response.message = str(error)
@@ -118,7 +119,7 @@ class Simulator(Node):
         point, stamp = message.pose.position, Time.from_msg(message.header.stamp).nanoseconds
         age = (self.get_clock().now().nanoseconds - stamp) * 1e-9 if stamp else 0.0  # a stamp of 0 is none
         if message.header.frame_id != self._frame:
-            self._warn("frame", f"target in frame {message.header.frame_id!r} ignored: give it in {self._frame!r}")
+            self._warn("frame", f"target in frame {shown(message.header.frame_id)} ignored: give it in {self._frame!r}")
         elif not (math.isfinite(point.x) and math.isfinite(point.y)):
             self._warn("number", f"target at ({point.x}, {point.y}) ignored: give finite metres")
         elif age > self._oldest:

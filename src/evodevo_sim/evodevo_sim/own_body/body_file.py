@@ -10,20 +10,17 @@ All keys but `position` may be left out.
 
 from __future__ import annotations
 
-import difflib
-import json
 import os
-import re
 from collections import namedtuple
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
-import yaml
 
 from ..development.body import build_body
 from ..development.gabriel import adjacency, gabriel_graph
+from ..inputs import InputError, nearest, shown
 from ..parameters import Material
+from ..text_file import parsed, read_text
 from .planar import coincident, collinear, crossing, faces_of, rounding, shared_side, too_far, unreachable
 
 KEYS = (
@@ -33,8 +30,6 @@ KEYS = (
 ACTIVATION = ("amplitude", "frequency", "phase")
 SURROUNDINGS = ("drag_normal", "drag_tangential", "gravity", "friction")
 MOST_CELLS = 4096
-_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
-_Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 # key: (least, most, default, unit)
 _RANGE = {
     "position": (-1e6, 1e6, None, "m"), "velocity": (-1e6, 1e6, 0.0, "m/s"), "mass": (1e-6, 1e6, 1.0, "kg"),
@@ -47,7 +42,7 @@ _RANGE = {
 }
 
 
-class BodyError(ValueError):
+class BodyError(InputError, ValueError):
     """A body that cannot be; the message names the key, the index and the mend."""
 
 
@@ -78,28 +73,11 @@ class OwnBody:
 
 def load_body(path: str | os.PathLike) -> OwnBody:
     """Read a body file.  Raises BodyError that names file, key, index and mend."""
+    text = read_text(path, BodyError, "the path of a body file, YAML or JSON")
     try:
-        text = Path(path).read_text(encoding="utf-8")
-    except OSError as error:
-        raise BodyError(f"{path}: {error.strerror}: give the path of a body file") from None
-    except UnicodeDecodeError:
-        raise BodyError(f"{path}: not a text file: give a body in YAML or JSON") from None
-    try:
-        return make_own_body(_document(text))
+        return make_own_body(parsed(text, BodyError))
     except BodyError as error:
         raise BodyError(f"{path}: {error}") from None
-
-
-def _document(text):
-    try:
-        return json.loads(text)  # YAML 1.1 takes 1e-3 for a text
-    except ValueError:
-        pass
-    try:
-        return yaml.load(text, _Loader)
-    except (yaml.YAMLError, ValueError) as error:
-        mark = getattr(error, "problem_mark", None)
-        raise BodyError(f"neither YAML nor JSON{f' from line {mark.line + 1} on' if mark else ''}: mend its syntax") from None
 
 
 def make_own_body(document: dict) -> OwnBody:
@@ -144,11 +122,10 @@ def make_own_body(document: dict) -> OwnBody:
 
 def _check_keys(document, known, where):
     if not isinstance(document, dict):
-        raise BodyError(f"{where or 'the file'} is {_short(document)}: give the keys {', '.join(known)}")
+        raise BodyError(f"{where or 'the file'} is {shown(document)}: give the keys {', '.join(known)}")
     for key in document:
         if key not in known:
-            near = difflib.get_close_matches(str(key), known, 1, 0.0)
-            raise BodyError(f"unknown key {f'{where}.{key}' if where else str(key)!r}: did you mean {near[0]!r}?")
+            raise BodyError(f"unknown key {shown(f'{where}.{key}' if where else str(key))}: did you mean {nearest(key, known)!r}?")
 
 
 def _section(document, name, known):
@@ -158,20 +135,13 @@ def _section(document, name, known):
     return section
 
 
-def _short(value):
-    text = repr(value)
-    return text if len(text) < 40 else text[:36] + " ..."
-
-
 def _number(value, key, where):
     low, high, _, unit = _RANGE[key]
     number = None
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         number = float(value) if abs(value) < 1e300 or value != value else np.inf
-    elif isinstance(value, str) and _NUMBER.fullmatch(value):
-        number = float(value)
     if number is None or not low <= number <= high:
-        raise BodyError(f"{where} is {_short(value)}: give a number from {low:g} to {high:g} {unit}".rstrip())
+        raise BodyError(f"{where} is {shown(value)}: give a number from {low:g} to {high:g} {unit}".rstrip())
     return number
 
 
@@ -198,7 +168,7 @@ def _plain(value):
 
 def _list(value, key, what):
     if not isinstance(value, (list, tuple, np.ndarray)):
-        raise BodyError(f"{key} is {_short(value)}: give a list of {what}")
+        raise BodyError(f"{key} is {shown(value)}: give a list of {what}")
     return value
 
 
@@ -208,7 +178,7 @@ def _pairs(document, key, count):
         raise BodyError(f"{key} has {len(rows)} entries, but there are {count} cells: give [x, y] for every cell")
     for i, row in enumerate(rows):
         if len(_list(row, f"{key}[{i}]", "two numbers, [x, y]")) != 2:
-            raise BodyError(f"{key}[{i}] is {_short(row)}: give two numbers, [x, y]")
+            raise BodyError(f"{key}[{i}] is {shown(row)}: give two numbers, [x, y]")
     numbers = [_number(_plain(value), key, f"{key}[{i}][{k}]") for i, row in enumerate(rows) for k, value in enumerate(row)]
     return np.array(numbers, np.float64).reshape(-1, 2)
 
@@ -217,7 +187,7 @@ def _indices(row, where, cells, what):
     for k, index in enumerate(_list(row, where, what)):
         index = _plain(index)
         if isinstance(index, bool) or not isinstance(index, int) or not 0 <= index < cells:
-            raise BodyError(f"{where}[{k}] is {_short(index)}: give the number of a cell, 0 to {cells - 1}")
+            raise BodyError(f"{where}[{k}] is {shown(index)}: give the number of a cell, 0 to {cells - 1}")
     return [int(index) for index in row]
 
 
@@ -226,14 +196,16 @@ def _springs(given, position):
     cells = len(position)
     if isinstance(given, str):
         if given != "gabriel":
-            raise BodyError(f"springs is {given!r}: give a list of pairs of cells, or gabriel")
+            raise BodyError(f"springs is {shown(given)}: give a list of pairs of cells, or gabriel")
         edges = gabriel_graph(position, 2.0 * rounding(position))
         return edges, np.arange(len(edges))
     seen: dict[tuple[int, int], int] = {}
-    for s, row in enumerate(_list(given, "springs", "pairs of cells, or gabriel")):
+    if len(_list(given, "springs", "pairs of cells, or gabriel")) > 3 * cells:
+        raise BodyError(f"springs has {len(given)} entries: a planar graph of {cells} cells has fewer than {3 * cells}, give those that do not cross")
+    for s, row in enumerate(given):
         pair = tuple(sorted(_indices(row, f"springs[{s}]", cells, "two cells, [i, j]")))
         if len(pair) != 2 or pair[0] == pair[1]:
-            raise BodyError(f"springs[{s}] is {_short(row)}: give two different cells, [i, j]")
+            raise BodyError(f"springs[{s}] is {shown(row)}: give two different cells, [i, j]")
         if pair in seen:
             raise BodyError(f"springs[{s}] joins cells {pair[0]} and {pair[1]} as springs[{seen[pair]}] does: remove one of them")
         seen[pair] = s
@@ -251,7 +223,7 @@ def _springs(given, position):
 def _with_chambers(body, given, edges):
     if isinstance(given, str):
         if given != "faces":
-            raise BodyError(f"chambers is {given!r}: give faces, a list of faces as lists of cells, or an empty list")
+            raise BodyError(f"chambers is {shown(given)}: give faces, a list of faces as lists of cells, or an empty list")
         if collinear(body.position):
             raise BodyError("position: all cells lie on one line and make no faces: move a cell, or give 'chambers: []'")
     else:
@@ -272,10 +244,12 @@ def _with_chambers(body, given, edges):
 
 def _cycles(given, cells, edges):
     joined = {tuple(edge) for edge in edges.tolist()}
-    rows = [_indices(row, f"chambers[{c}]", cells, "cells") for c, row in enumerate(_list(given, "chambers", "lists of cells"))]
+    if len(_list(given, "chambers", "lists of cells")) > 2 * cells:
+        raise BodyError(f"chambers has {len(given)} entries: a planar graph of {cells} cells has fewer than {2 * cells} faces, give each once")
+    rows = [_indices(row, f"chambers[{c}]", cells, "cells") for c, row in enumerate(given)]
     for c, row in enumerate(rows):
         if len(row) < 3 or len(set(row)) < len(row):
-            raise BodyError(f"chambers[{c}] is {_short(row)}: give three or more different cells, in order around the face")
+            raise BodyError(f"chambers[{c}] is {shown(row)}: give three or more different cells, in order around the face")
         for a, b in zip(row, row[1:] + row[:1]):
             if (min(a, b), max(a, b)) not in joined:
                 raise BodyError(f"chambers[{c}] has a side from cell {a} to cell {b} where there is no spring: add it to springs")

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..inputs import shown
 from ..parameters import ParameterError, Scene, Task
 from ..physics.control_step import INVERTED, SOUND
 from ..physics.forces import Law
@@ -120,9 +121,9 @@ def _steps_and_mend(outcome, method, scene, dt) -> str:
 def make_scene(own: OwnBody, scene: str, world: str | None = None) -> System:
     """The body in its world."""
     if scene not in SCENES:
-        raise ParameterError(f"scene {scene!r} is unknown: choose one of {', '.join(SCENES)}")
+        raise ParameterError(f"scene {shown(scene)} is unknown: choose one of {', '.join(SCENES)}")
     if world is not None and scene != "walk":
-        raise ParameterError(f"world {world!r} is for the scene walk: {scene} has no ground")
+        raise ParameterError(f"world {shown(world)} is for the scene walk: {scene} has no ground")
     given = own.scene
     drag, gravity, friction, terrain = (0.0, 0.0), 0.0, 0.0, FLAT
     if scene != "walk":
@@ -167,7 +168,7 @@ def _slack(position) -> float:
 
 def _method(scene, integrator, dt, tolerance):
     if integrator is not None and integrator not in INTEGRATORS:
-        raise ParameterError(f"integrator {integrator!r} is unknown: choose one of {', '.join(INTEGRATORS)}")
+        raise ParameterError(f"integrator {shown(integrator)} is unknown: choose one of {', '.join(INTEGRATORS)}")
     if dt is not None and tolerance is not None:
         raise ParameterError("dt and tolerance are both given: choose one of them")
     if tolerance is not None and not 1e-13 <= tolerance <= 0.1:

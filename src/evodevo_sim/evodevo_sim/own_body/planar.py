@@ -37,8 +37,12 @@ def coincident(position) -> tuple[int, int] | None:
     """Two cells at one point, the first such pair."""
     from scipy.spatial import cKDTree  # a third of a second that others need not wait
 
-    pairs = cKDTree(position).query_pairs(_CLOSE * _extent(position), output_type="ndarray")
-    return tuple(min(pairs.tolist())) if len(pairs) else None
+    tree, near = cKDTree(position), _CLOSE * _extent(position)
+    crowded = np.flatnonzero(tree.query_ball_point(position, near, return_length=True) > 1)
+    if not len(crowded):
+        return None
+    first = int(crowded[0])
+    return first, min(cell for cell in tree.query_ball_point(position[first], near) if cell != first)
 
 
 def collinear(position) -> bool:
@@ -67,26 +71,35 @@ def crossing(position, edges) -> tuple[int, int | None, int | None] | None:
     """The first fault of springs (E, 2): (s, other, None) where two cross, (s, None, cell) where one runs through a cell."""
     a, b = position[edges[:, 0]], position[edges[:, 1]]
     near = _close(position)
+    low, high = np.minimum(a, b), np.maximum(a, b)
     for first in range(0, len(edges), _ROWS):
         rows = slice(first, first + _ROWS)
-        d = (b - a)[rows, None]
-        length = np.hypot(d[..., 0], d[..., 1])
-        inner = position[None] - a[rows, None]
+        s, cell = _overlaps(low[rows] - near, high[rows] + near, position, position)
+        s += first
+        d, inner = b[s] - a[s], position[cell] - a[s]
+        length = np.hypot(d[:, 0], d[:, 1])
         share = (inner * d).sum(-1) / length**2
-        off = np.abs(d[..., 0] * inner[..., 1] - d[..., 1] * inner[..., 0]) / length
-        through = (off < near) & (share > 0) & (share < 1)
-        cells = np.arange(len(position))[None]
-        through &= (cells != edges[rows, :1]) & (cells != edges[rows, 1:])
+        through = (np.abs(d[:, 0] * inner[:, 1] - d[:, 1] * inner[:, 0]) / length < near) & (share > 0) & (share < 1)
+        through &= (cell != edges[s, 0]) & (cell != edges[s, 1])
         if through.any():
-            s, cell = np.argwhere(through)[0].tolist()
-            return first + s, None, cell
-        p, q, a_, b_ = a[rows, None], b[rows, None], a[None], b[None]
-        crosses = (_side(p, q, a_) * _side(p, q, b_) < 0) & (_side(a_, b_, p) * _side(a_, b_, q) < 0)
-        crosses &= ~(edges[rows, None, :, None] == edges[None, :, None, :]).any((-1, -2))
+            k = int(through.argmax())
+            return int(s[k]), None, int(cell[k])
+        s, other = _overlaps(low[rows], high[rows], low, high)
+        s += first
+        crosses = _side(a[s], b[s], a[other]) * _side(a[s], b[s], b[other]) < 0
+        crosses &= _side(a[other], b[other], a[s]) * _side(a[other], b[other], b[s]) < 0
+        crosses &= ~(edges[s][:, :, None] == edges[other][:, None, :]).any((-1, -2))
         if crosses.any():
-            s, other = sorted((first + np.argwhere(crosses)[0, 0], np.argwhere(crosses)[0, 1]))
-            return int(s), int(other), None
+            k = int(crosses.argmax())
+            return int(min(s[k], other[k])), int(max(s[k], other[k])), None
     return None
+
+
+def _overlaps(low, high, others_low, others_high):
+    """The pairs of boxes, given by their corners (B, 2), that have a point in common with others: (number, number of the other)."""
+    common = (low[:, :1] <= others_high[:, 0]) & (high[:, :1] >= others_low[:, 0])
+    common &= (low[:, 1:] <= others_high[:, 1]) & (high[:, 1:] >= others_low[:, 1])
+    return np.nonzero(common)
 
 
 def _side(p, q, r):

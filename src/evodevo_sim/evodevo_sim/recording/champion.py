@@ -35,7 +35,7 @@ def champion_of(
     Raises GenomeError, ParameterError or RecordingError.
     """
     path = Path(source)
-    name = path.resolve().name
+    name = Path(os.path.realpath(path)).name
     if not is_recording(path):
         return Champion(path.stem, load_genome(path), with_settings(default_task(task_name), settings))
     if settings:

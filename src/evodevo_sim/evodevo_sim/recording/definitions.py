@@ -9,13 +9,16 @@ from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
 
+from ..inputs import InputError
+
 HOW = "give a directory that `evolve` or `ros2 bag record -s mcap` made"  # the mend of what is no recording
+
 _SEPARATOR = "=" * 80
 _BUILT_IN = r"(bool|byte|char|float32|float64|u?int(8|16|32|64)|w?string)\b"
 _FIELD = re.compile(r"^([A-Za-z][\w/]*)(<=\d+)?(\[[^\]]*\])?\s+[a-z]\w*")
 
 
-class RecordingError(RuntimeError):
+class RecordingError(InputError, RuntimeError):
     """A recording that cannot be written or read; the message says which, why, and what to do."""
 
 

@@ -6,8 +6,25 @@ import argparse
 import sys
 from collections.abc import Callable
 
+from ..inputs import decimal, one_line, shown
 from ..kernels.jit import is_compiled
 from ..parameters import ParameterError
+
+
+def whole_number(text: str) -> int:
+    """An argument's whole number, in decimal digits."""
+    number = decimal(text)
+    if not isinstance(number, int):
+        raise argparse.ArgumentTypeError(f"{shown(text)} is no whole number: give one in up to 20 decimal digits, e.g. 12")
+    return number
+
+
+def real_number(text: str) -> float:
+    """An argument's number, in decimal digits; inf and nan are left to whoever names the range."""
+    number = float(text) if text.lower() in ("inf", "-inf", "nan") else decimal(text)
+    if number is None:
+        raise argparse.ArgumentTypeError(f"{shown(text)} is no number: give one in decimal digits, e.g. 12 or 1e-5")
+    return float(number)
 
 
 class Parser(argparse.ArgumentParser):
@@ -17,7 +34,7 @@ class Parser(argparse.ArgumentParser):
         super().__init__(prog=prog, description=description, epilog=epilog, formatter_class=argparse.RawDescriptionHelpFormatter)
 
     def error(self, message):
-        self.exit(2, f"{self.prog}: {message} (see --help)\n")
+        self.exit(2, f"{self.prog}: {one_line(message)} (see --help)\n")
 
 
 def pairs(items: list[str]) -> dict[str, str]:
@@ -25,7 +42,7 @@ def pairs(items: list[str]) -> dict[str, str]:
     given = dict(item.partition("=")[::2] for item in items)
     for name, value in given.items():
         if not value:
-            raise ParameterError(f"--set {name}: give NAME=VALUE, e.g. material.stiffness=300")
+            raise ParameterError(f"--set {shown(name)}: give NAME=VALUE, e.g. material.stiffness=300")
     return given
 
 

@@ -19,7 +19,8 @@ from std_msgs.msg import Header
 from evodevo_msgs import msg
 
 from ..genetics.genome import Genome
-from ..parameters import Scene, Task
+from ..parameters import Scene, Task, default_task
+from ..task_kinds import names
 from ..tasks.outcome import Evaluation, Metrics, Status
 
 
@@ -31,6 +32,17 @@ def task_message(task: Task) -> msg.Task:
 def task_from_message(message: msg.Task) -> Task:
     """The task of a message.  Raises ParameterError that names the setting and what would work."""
     return _object(Task, message)
+
+
+def task_of_request(message: msg.Task) -> Task:
+    """The task that a request to a simulator asks for.
+
+    Where every field but the name is 0 or empty, as in a message that nobody has filled, it is the default task of that name, and of
+    no name the one to swim: a task of zeros could not run.  Any other message is taken as it is.  Raises ParameterError.
+    """
+    if message == msg.Task(name=message.name):
+        return default_task(message.name or names()[0])
+    return task_from_message(message)
 
 
 def scene_message(scene: Scene) -> msg.Scene:

@@ -6,6 +6,7 @@ import os
 from contextlib import contextmanager
 from pathlib import Path
 
+from ..inputs import InputError
 from ..whole_file import written_whole
 
 _BEGINS_WITH = {".rrd": (b"RRF",), ".png": (b"\x89PNG",), ".svg": (b"<?xml", b"<svg"), ".pdf": (b"%PDF",), ".csv": (b"cell",)}
@@ -13,7 +14,7 @@ _HEAD = 1024  # bytes
 PICTURES = (".png", ".svg", ".pdf")
 
 
-class OutputError(RuntimeError):
+class OutputError(InputError, RuntimeError):
     """A file that cannot be written; the message says which, why, and what to do."""
 
 
@@ -22,9 +23,9 @@ def check(path: Path, *endings: str) -> None:
     ending = path.suffix.lower()
     if ending not in endings:
         raise OutputError(f"{path}: give a name that ends in {' or '.join(', '.join(endings).rsplit(', ', 1))}")
-    if path.is_dir():
+    if os.path.isdir(path):
         raise OutputError(f"{path} is a directory: give a file name in it")
-    if not path.parent.is_dir():
+    if not os.path.isdir(path.parent):
         raise OutputError(f"{path} cannot be written: make the directory {path.parent} first")
     try:
         begin = path.open("rb").read(_HEAD) if path.exists() else b""
