@@ -11,10 +11,11 @@ from __future__ import annotations
 
 import ast
 import hashlib
+import os
 import sys
 import sysconfig
 from collections.abc import Callable, Collection, Iterable, Iterator
-from functools import cache
+from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -78,11 +79,15 @@ class _Names(ast.NodeVisitor):
     visit_FunctionDef = visit_AsyncFunctionDef = visit_ClassDef = _visit_definition
 
 
-@cache
 def _names(file: Path) -> _Names:
+    return _names_of(file.read_bytes())
+
+
+@lru_cache(maxsize=1000)
+def _names_of(content: bytes) -> _Names:
     found = _Names()
     try:
-        found.visit(ast.parse(file.read_bytes()))
+        found.visit(ast.parse(content))
     except (SyntaxError, ValueError):  # a file that cannot be imported feeds no kernel
         pass
     return found
@@ -274,8 +279,8 @@ def top_folder(file: Path) -> Path:
 def hash_of(files: Iterable[Path], base: Path, *also: object) -> str:
     """A hash of the contents of files, of their paths relative to `base`, and of whatever else counts."""
     digest = hashlib.sha256("\n".join(map(str, also)).encode())
-    for file in files:
-        content = file.read_bytes()
-        name = file.relative_to(base).as_posix() if file.is_relative_to(base) else file.name
-        digest.update(f"\n{name} {len(content)}\n".encode() + content)
+    named = sorted((os.fsencode(path.relative_to(base) if path.is_relative_to(base) else path.name), path) for path in files)
+    for name, path in named:
+        content = path.read_bytes()
+        digest.update(b"\n%b %d\n" % (name, len(content)) + content)
     return digest.hexdigest()[:16]

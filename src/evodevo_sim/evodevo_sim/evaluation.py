@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import chemotaxis_task, swim_task, walk_task
-from ._jit import is_compiled, remove_old_caches
+from ._jit import compiling, remove_old_caches
 from .body import build_body
 from .genome import Genome, random_genome
 from .life import develop
@@ -58,8 +58,8 @@ def evaluate(genome: Genome, task: Task = Task(), seed: int = 0) -> Evaluation:
 
 def prepare(task: Task = Task(), say=print) -> None:
     """Load the kernels that evaluations of a task need, compiled by the first process that asks; `say` is told if that is us."""
-    if not is_compiled(_KERNEL[task.name]):
-        say("Compiling the simulation kernels, once: about a minute.")
+    if notice := compiling(_KERNEL[task.name]):
+        say(notice)
         remove_old_caches()
     evaluate(random_genome(np.random.default_rng(0)), task)
 
