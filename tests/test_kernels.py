@@ -139,6 +139,7 @@ TREE = {
     "sub/__init__.py": "from .inner import X\nfrom ..view import draw\nfrom ..far import near as n",
     "sub/inner.py": "from ..near import N",
     "sub/deep/__init__.py": "from ...far import FAR as DEEP",
+    "mid.py": "from . import sub\nsub.inner",
     "late.py": "def f():\n    from .near import N\n    return N",
 }
 MADE = {"made/__init__.py", "made/jit2.py"}
@@ -184,6 +185,9 @@ VIA_VIEW = {"view.py", "other.py"}
     ("K; from .sub.deep import DEEP", {"sub/deep/__init__.py", "far.py", "near.py"}),
     ("K; import p.sub.deep\np.sub.deep.DEEP\np.near", {"sub/deep/__init__.py", "far.py", "near.py"}),
     ("K; from .made import OWN", MADE),
+    ("K; from .mid import sub\nsub.X", {"mid.py", "sub/__init__.py", "sub/inner.py", "near.py"}),
+    ("K; from . import mid\nmid.sub.n", {"mid.py", "sub/__init__.py", "sub/inner.py", "far.py", "near.py"}),
+    ("K; from . import sub", {"sub/__init__.py", "sub/inner.py", "far.py", "near.py"} | VIA_VIEW),
     ("K; from .late import f", {"late.py", "near.py"}),
     ("K; from .far import *", {"far.py", "near.py"}),
     ("K; from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from .view import draw\nelse:\n    from .near import N", {"near.py"}),
@@ -191,7 +195,8 @@ VIA_VIEW = {"view.py", "other.py"}
     ("K; from ...... import far; import p.absent, q.near", set()),
 ])
 def test_imports_of_every_form_are_followed(tmp_path, text, expected):
-    for name, content in (TREE | {"a.py": text.replace("K", "from .jit import kernel; kernel(len)", 1) if text[0] == "K" else text}).items():
+    text = text.replace("K", "from .jit import kernel; kernel(len)", 1) if text[0] == "K" else text
+    for name, content in (TREE | {"a.py": text}).items():
         file = tmp_path / "p" / name
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(content)
@@ -206,7 +211,7 @@ def test_old_caches_go_and_the_present_one_stays(tmp_path, monkeypatch):
     monkeypatch.setattr(_jit, "CACHE_DIRECTORY", tmp_path / "present")
     for name in ("present", "old", "recent"):
         (tmp_path / name).mkdir()
-    files = [tmp_path / "sources-old.txt", tmp_path / "sources-recent.txt", tmp_path / "present" / "left.tmp", tmp_path / "present" / "f.nbc"]
+    files = [tmp_path / name for name in ("sources-old.txt", "sources-recent.txt", "present/left.tmp", "present/f.nbc")]
     for path in files:
         path.write_text("")
     long_ago = os.stat(tmp_path).st_mtime - 30 * 86400
@@ -244,6 +249,7 @@ def own(tmp_path, monkeypatch):
     (folder / "own_package").mkdir(parents=True)
     (folder / "own_package" / "__init__.py").write_text("import numpy\n")
     (folder / "own_package" / "inner.py").write_text("TERM = 1.0\n")
+    (folder / "numpy").mkdir()  # a folder of data, which hides no package
     (folder / "own_constants.py").write_text("FACTOR = 2.0\n")
     (folder / "own_kernels.py").write_text(OWN)
     monkeypatch.setattr(_jit, "CACHE_DIRECTORY", tmp_path / "caches" / "ours")

@@ -32,9 +32,10 @@ _ARGUMENT_TYPES = ("parameters.py",)
 _KEEP_DAYS = 7.0
 
 # Besides sources, what results and speed of compiled code depend on.  Each entry knows its processor.
+_CONFIGURED = ("BOUNDSCHECK", "OPT", "LOOP_VECTORIZE", "SLP_VECTORIZE", "USING_SVML", "DEBUGINFO_DEFAULT")
 _SETTINGS = (
-    numba.__version__, llvmlite.__version__, np.__version__, sys.implementation.cache_tag, numba.config.BOUNDSCHECK, numba.config.OPT,
-    numba.config.LOOP_VECTORIZE, numba.config.SLP_VECTORIZE, numba.config.USING_SVML, numba.config.DEBUGINFO_DEFAULT,
+    numba.__version__, llvmlite.__version__, np.__version__, sys.implementation.cache_tag,
+    *(getattr(numba.config, name, None) for name in _CONFIGURED),
 )
 
 
@@ -84,7 +85,8 @@ def _used(directory: Path | None) -> Path | None:
 
 _SOURCES = frozenset(_remembered_sources())
 _HASH = hash_of(_SOURCES, _ROOT, *_SETTINGS)
-CACHE_DIRECTORY = _used(_caches() and _caches() / _HASH)
+_CACHES = _caches()
+CACHE_DIRECTORY = _used(_CACHES / _HASH if _CACHES else None)
 
 
 @lru_cache(maxsize=1000)

@@ -144,13 +144,13 @@ def remove(path: Path) -> bool:
 
 def described(kind: types.Type) -> str:
     """A text that tells a type of an argument apart, in every process.  Raises: NotKept for one that belongs to this process."""
-    if isinstance(kind, types.BaseNamedTuple):
-        made = kind.instance_class
+    if isinstance(kind, (types.NamedTuple, types.NamedUniTuple)):
+        made: type = kind.instance_class
         if getattr(sys.modules.get(made.__module__), made.__qualname__, None) is not made or made.__module__ == "__main__":
             raise NotKept(f"{made.__qualname__} cannot be imported")
-        inner = ", ".join(f"{name}: {described(part)}" for name, part in zip(kind.fields, kind.types))
+        inner = ", ".join(f"{name}: {described(part)}" for name, part in zip(kind.fields, kind.types, strict=True))
         return f"{made.__module__}.{made.__qualname__}({inner})"
-    if isinstance(kind, types.BaseTuple):
+    if isinstance(kind, (types.Tuple, types.UniTuple)):
         return f"{type(kind).__name__}({', '.join(map(described, kind.types))})"
     text = f"{type(kind).__name__} {kind}"
     if isinstance(kind, (types.Dispatcher, types.FunctionType)) or " at 0x" in text:
@@ -171,7 +171,7 @@ class KernelCache(_Cache):
         self._name = f"{self._module.partition('.')[2] or self._module}.{function.__qualname__}".replace("<", "").replace(">", "")[-150:]
         self._place = place
         self._enabled = True
-        self._directory = None
+        self._directory: Path | None = None
         try:
             self._directory = place(False)
         except NotKept:
@@ -198,7 +198,7 @@ class KernelCache(_Cache):
         if not self._enabled or not self._directory:
             return None
         try:
-            path, key = self._entry(sig, target_context.codegen())
+            path, key = self._entry(self._directory, sig, target_context.codegen())
         except NotKept:
             return None
         try:
@@ -225,7 +225,7 @@ class KernelCache(_Cache):
             return
         try:
             described(cres.signature.return_type)
-            path, key = self._entry(sig, cres.codegen)
+            path, key = self._entry(self._directory, sig, cres.codegen)
             if self._place(True) == self._directory:
                 write_entry(path, key, dumps(cres._reduce()))
         except NotKept:
@@ -233,10 +233,10 @@ class KernelCache(_Cache):
         except OSError as error:
             tell_once("unwritable", unwritable(self._directory, reason(error)))
 
-    def _entry(self, sig, codegen) -> tuple[Path, bytes]:
+    def _entry(self, directory: Path, sig, codegen) -> tuple[Path, bytes]:
         """The file of a signature, and the hash of its key.  Raises: NotKept."""
         key = hashlib.sha256(self._key(sig, codegen).encode()).digest()
-        return self._directory / f"{self._name}-{key.hex()[:16]}{SUFFIX}", key
+        return directory / f"{self._name}-{key.hex()[:16]}{SUFFIX}", key
 
     def _key(self, sig, codegen) -> str:
         function = self._function

@@ -15,6 +15,7 @@ import os
 import sys
 import sysconfig
 from collections.abc import Callable, Collection, Iterable, Iterator
+from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
@@ -86,10 +87,8 @@ def _names(file: Path) -> _Names:
 @lru_cache(maxsize=1000)
 def _names_of(content: bytes) -> _Names:
     found = _Names()
-    try:
+    with suppress(SyntaxError, ValueError):  # a file that cannot be imported feeds no kernel
         found.visit(ast.parse(content))
-    except (SyntaxError, ValueError):  # a file that cannot be imported feeds no kernel
-        pass
     return found
 
 
@@ -161,16 +160,19 @@ class Imports:
             package = _find(bound.base, bound.parts[:-1])[0]
             if package.is_dir():
                 self._take(package, bound.parts[-1], (), or_all=False)
-        if place.is_file() or names:
-            self._want(place, names + (rest or ()))
-            return
-        for used in {rest} if rest is not None else {chain[1:] for chain in _names(file).chains if chain[0] == bound.name}:
-            self._want(*_find(place, used))
+        uses = {rest} if rest is not None else {chain[1:] for chain in _names(file).chains if chain[0] == bound.name}
+        for used in uses or (set() if bound.plain else {()}):  # what is imported and not used may be for others to take
+            self._want(*_find(place, used) if place.is_dir() and not names else (place, names + used))
 
     def _want(self, place: Path, names: tuple[str, ...]) -> None:
         """Count a module, or of a package the name that is taken, or all where it is taken as a whole."""
         if place.is_file():
             self.add(place)
+            if names[1:] and (place, names) not in self._done:
+                self._done.add((place, names))
+                for bound in self.bound(place):
+                    if bound.name == names[0]:
+                        self._follow(place, bound, names[1:])
         elif names:
             self._take(place, names[0], names[1:])
         else:
@@ -253,10 +255,9 @@ def sources_of_file(file: Path, besides: str) -> list[Path]:
             return None
         loaded = getattr(sys.modules.get(name), "__file__", None)
         folders = [top, *([top_folder(Path(loaded).resolve())] if loaded else []), *(Path(path).resolve() for path in sys.path)]
-        for folder in folders:
-            if (folder / f"{name}.py").is_file() or (folder / name).is_dir():
-                return folder if name == own or not is_installed(folder) else None
-        return None
+        holders = [folder for folder in folders if (folder / f"{name}.py").is_file() or (folder / name / "__init__.py").is_file()]
+        holders += [folder for folder in folders if (folder / name).is_dir()]
+        return next((folder for folder in holders[:1] if name == own or not is_installed(folder)), None)
 
     imports = Imports(locate)
     imports.add(file)
