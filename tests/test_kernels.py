@@ -566,6 +566,17 @@ def test_where_caches_are(monkeypatch, changed, expected):
     assert str(_jit._caches()) == expected
 
 
+def test_without_a_home_there_is_no_place_for_caches(monkeypatch):
+    def unknown():
+        raise RuntimeError("Could not determine home directory.")
+
+    for name in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(Path, "home", unknown)
+    assert _jit._caches() is None and set(_jit._remembered_sources()) == _jit._SOURCES
+    _jit.remove_old_caches()
+
+
 def test_in_an_environment_without_a_writable_cache_kernels_run(copy):
     folder, first = copy
     unkept = run(folder, XDG_CACHE_HOME="/dev/null")

@@ -30,7 +30,7 @@ from numba.core.serialize import dumps
 
 MAGIC = b"evodevo kernel 1\n"
 SUFFIX = ".nbc"
-ROOM = 32 << 20  # bytes that all kernels together take, with some to spare
+ROOM = 64 << 20  # bytes; kernels of all tasks together take 36 MB
 _HEAD = len(MAGIC) + 64
 _told: set[str] = set()
 
@@ -76,8 +76,8 @@ def why_unwritable(directory: Path | None) -> str:
         trial = directory / f"{uuid.uuid4().hex}.tmp"
         try:
             with trial.open("xb") as file:
-                for _ in range(32):
-                    file.write(bytes(ROOM // 32))
+                for _ in range(64):
+                    file.write(bytes(ROOM // 64))
         finally:
             trial.unlink(missing_ok=True)
     except OSError as error:
