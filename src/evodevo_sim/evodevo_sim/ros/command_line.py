@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from ..kernels.jit import is_compiled
+from ..kernels.jit import compiling
 from ..parameters import ParameterError
 
 
@@ -29,5 +29,5 @@ def pairs(items: list[str]) -> dict[str, str]:
 
 def say_if_compiling(kernel_name: str) -> None:
     """Tell the user why a first run waits.  Args: kernel_name: module.function of the kernel that takes longest to compile."""
-    if not is_compiled(kernel_name):
-        print("Compiling the simulation kernels, once: about a minute.", flush=True)
+    if notice := compiling(kernel_name):
+        print(notice, flush=True)
