@@ -1,7 +1,4 @@
-"""Loops of the benchmarks that are compiled, so that no time is measured around single calls from Python.
-
-All in one file: numba's cache looks at this file and, by `_jit`, at those of evodevo_sim, but at no other.
-"""
+"""Loops of the benchmarks that are compiled, so that no time is measured around single calls from Python."""
 
 import numpy as np
 from evodevo_sim.brain.brain import think

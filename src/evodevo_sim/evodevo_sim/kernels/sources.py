@@ -11,10 +11,12 @@ from __future__ import annotations
 
 import ast
 import hashlib
+import os
 import sys
 import sysconfig
 from collections.abc import Callable, Collection, Iterable, Iterator
-from functools import cache
+from contextlib import suppress
+from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -78,13 +80,15 @@ class _Names(ast.NodeVisitor):
     visit_FunctionDef = visit_AsyncFunctionDef = visit_ClassDef = _visit_definition
 
 
-@cache
 def _names(file: Path) -> _Names:
+    return _names_of(file.read_bytes())
+
+
+@lru_cache(maxsize=1000)
+def _names_of(content: bytes) -> _Names:
     found = _Names()
-    try:
-        found.visit(ast.parse(file.read_bytes()))
-    except (SyntaxError, ValueError):  # a file that cannot be imported feeds no kernel
-        pass
+    with suppress(SyntaxError, ValueError):  # a file that cannot be imported feeds no kernel
+        found.visit(ast.parse(content))
     return found
 
 
@@ -156,16 +160,19 @@ class Imports:
             package = _find(bound.base, bound.parts[:-1])[0]
             if package.is_dir():
                 self._take(package, bound.parts[-1], (), or_all=False)
-        if place.is_file() or names:
-            self._want(place, names + (rest or ()))
-            return
-        for used in {rest} if rest is not None else {chain[1:] for chain in _names(file).chains if chain[0] == bound.name}:
-            self._want(*_find(place, used))
+        uses = {rest} if rest is not None else {chain[1:] for chain in _names(file).chains if chain[0] == bound.name}
+        for used in uses or (set() if bound.plain else {()}):  # what is imported and not used may be for others to take
+            self._want(*_find(place, used) if place.is_dir() and not names else (place, names + used))
 
     def _want(self, place: Path, names: tuple[str, ...]) -> None:
         """Count a module, or of a package the name that is taken, or all where it is taken as a whole."""
         if place.is_file():
             self.add(place)
+            if names[1:] and (place, names) not in self._done:
+                self._done.add((place, names))
+                for bound in self.bound(place):
+                    if bound.name == names[0]:
+                        self._follow(place, bound, names[1:])
         elif names:
             self._take(place, names[0], names[1:])
         else:
@@ -248,10 +255,9 @@ def sources_of_file(file: Path, besides: str) -> list[Path]:
             return None
         loaded = getattr(sys.modules.get(name), "__file__", None)
         folders = [top, *([top_folder(Path(loaded).resolve())] if loaded else []), *(Path(path).resolve() for path in sys.path)]
-        for folder in folders:
-            if (folder / f"{name}.py").is_file() or (folder / name).is_dir():
-                return folder if name == own or not is_installed(folder) else None
-        return None
+        holders = [folder for folder in folders if (folder / f"{name}.py").is_file() or (folder / name / "__init__.py").is_file()]
+        holders += [folder for folder in folders if (folder / name).is_dir()]
+        return next((folder for folder in holders[:1] if name == own or not is_installed(folder)), None)
 
     imports = Imports(locate)
     imports.add(file)
@@ -274,8 +280,8 @@ def top_folder(file: Path) -> Path:
 def hash_of(files: Iterable[Path], base: Path, *also: object) -> str:
     """A hash of the contents of files, of their paths relative to `base`, and of whatever else counts."""
     digest = hashlib.sha256("\n".join(map(str, also)).encode())
-    for file in files:
-        content = file.read_bytes()
-        name = file.relative_to(base).as_posix() if file.is_relative_to(base) else file.name
-        digest.update(f"\n{name} {len(content)}\n".encode() + content)
+    named = sorted((os.fsencode(path.relative_to(base) if path.is_relative_to(base) else path.name), path) for path in files)
+    for name, path in named:
+        content = path.read_bytes()
+        digest.update(b"\n%b %d\n" % (name, len(content)) + content)
     return digest.hexdigest()[:16]

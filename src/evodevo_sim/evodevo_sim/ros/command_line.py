@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable
 
 from ..inputs import decimal, one_line, shown
-from ..kernels.jit import is_compiled
+from ..kernels.jit import compiling
 from ..parameters import ParameterError
 
 
@@ -53,5 +53,5 @@ def warn(prog: str) -> Callable[[str], None]:
 
 def say_if_compiling(kernel_name: str) -> None:
     """Tell the user why a first run waits.  Args: kernel_name: module.function of the kernel that takes longest to compile."""
-    if not is_compiled(kernel_name):
-        print("Compiling the simulation kernels, once: about a minute.", flush=True)
+    if notice := compiling(kernel_name):
+        print(notice, flush=True)

@@ -18,7 +18,7 @@ import numpy as np
 from ..development.body import build_body
 from ..development.gabriel import adjacency, gabriel_graph
 from ..genetics.genome import Genome
-from ..kernels.jit import is_compiled
+from ..kernels.jit import compiling
 from ..parameters import ParameterError, Task, known_kind
 from ..physics.forces import make_law
 from ..physics.integrators import make_system, make_work
@@ -92,9 +92,11 @@ def held(evaluation: Evaluation, runs: Sequence[Run], most_change: float | None)
 
 def prepare(task: Task = Task(), say=print) -> None:
     """Compile what audits need beyond evaluations, where no process has yet; `say` is told if it is us."""
-    if not task.kind.audit_kernel or is_compiled(task.kind.audit_kernel):
+    kernel = task.kind.audit_kernel
+    notice = compiling(kernel, "kernels of audits", "about half a minute") if kernel else ""
+    if not notice:
         return
-    say("Compiling the kernels of audits, once: about half a minute.")
+    say(notice)
     position = np.array([(0.0, 0.0), (1.0, 0.0), (0.5, 0.9)])
     edges = gabriel_graph(position)
     start, neighbour = np.zeros(4, np.int64), np.empty(6, np.uint32)

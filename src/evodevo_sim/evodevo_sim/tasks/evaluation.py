@@ -8,7 +8,7 @@ import numpy as np
 
 from ..development.body import build_body
 from ..genetics.genome import Genome, random_genome
-from ..kernels.jit import is_compiled, remove_old_caches
+from ..kernels.jit import compiling, remove_old_caches
 from ..parameters import Task
 from .life import develop
 from .outcome import Evaluation, Metrics, Status, failure
@@ -54,8 +54,8 @@ def evaluate(genome: Genome, task: Task = Task(), seed: int = 0) -> Evaluation:
 
 def prepare(task: Task = Task(), say=print) -> None:
     """Load the kernels that evaluations of a task need, compiled by the first process that asks; `say` is told if that is us."""
-    if not is_compiled(task.kind.kernel):
-        say("Compiling the simulation kernels, once: about a minute.")
+    if notice := compiling(task.kind.kernel):
+        say(notice)
         remove_old_caches()
     evaluate(random_genome(np.random.default_rng(0)), task)
 
