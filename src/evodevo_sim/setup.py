@@ -29,7 +29,7 @@ setup(
             "gait = evodevo_sim.commands.gait:main",
             "replay = evodevo_sim.commands.replay:main",
             "chase = evodevo_sim.nodes.chase:main",
-            "request = evodevo_sim.request_command:main",
+            "request = evodevo_sim.commands.request:main",
             "turning = evodevo_sim.commands.turning:main",
         ],
     },

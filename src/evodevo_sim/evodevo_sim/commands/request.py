@@ -8,13 +8,13 @@ import yaml
 
 from evodevo_msgs.srv import Evaluate, Load
 
-from .genetics.genome import GenomeError
-from .parameters import TASKS, ParameterError, default_task
-from .recording import RecordingError
-from .recording.champion import Champion, champion_of
-from .ros.command_line import Parser, pairs, real_number
-from .ros.messages import genome_message, task_message
-from .ros.process import without_ros
+from ..genetics.genome import GenomeError
+from ..parameters import TASKS, ParameterError, default_task
+from ..recording import RecordingError
+from ..recording.champion import Champion, champion_of
+from ..ros.command_line import Parser, pairs, real_number
+from ..ros.messages import genome_message, task_message
+from ..ros.process import without_ros
 
 SERVICES = {"load": Load, "evaluate": Evaluate}
 _EPILOG = """\
@@ -33,9 +33,8 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--service", default="load", metavar="NAME", help=f"{', '.join(SERVICES)} (default %(default)s)")
     parser.add_argument("--task", default=TASKS[0], metavar="NAME", help=f"for a genome: {', '.join(TASKS)} (default %(default)s)")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="for a genome: a number of its task")
-    parser.add_argument(
-        "--real-time-factor", type=real_number, default=1.0, metavar="X", help="load: simulated s per s; 0 is as fast as it goes (default %(default)s)"
-    )
+    pace = "load: simulated s per s; 0 is as fast as it goes (default %(default)s)"
+    parser.add_argument("--real-time-factor", type=real_number, default=1.0, metavar="X", help=pace)
     given = parser.parse_args(without_ros(parser, sys.argv[1:] if arguments is None else arguments))
     try:
         if given.service not in SERVICES:
