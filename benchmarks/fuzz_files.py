@@ -33,17 +33,20 @@ from evodevo_sim import GenomeError, ParameterError, load_body, load_genome, ran
 
 MOST_CHARACTERS = 300
 MOST_SECONDS = 1.0
-TRAPS = """1e-5 1E5 1:30 -1:30:00 0x_ 0x1F 0o17 017 0b1 1_000 .5 5. . - + -- e 1e999 -1e999 1e-999 .nan .NaN .inf -.inf nan inf Infinity NaN
-true True yes no on off maybe null ~ Null 2024-02-30 2024-02-28 2024-02-28T25:00:00Z 0000-00-00 12:60 ! !!binary !!python/object:os.system
-!!int !!bool !!timestamp !!set &a *a << <<: ? : - | > |9 % %TAG @ ` ' " [ ] { } [] {} , # ... --- \\x \\u12 \\ud800 0.1.2 1e5e5 +-1 １２ ٣""".split()
-TRAPS += ["", " ", "\t", "\0", "\r", "\ufeff", "\u2028", "\x85", "\x1b[31m", "\ud7ff", "9" * 400, "9" * 5000, "x" * 10_000, "[" * 50, "{a: " * 50]
+TRAPS = """1e-5 1E5 1:30 -1:30:00 0x_ 0x1F 0o17 017 0b1 1_000 .5 5. . - + -- e 1e999 -1e999 1e-999 .nan .NaN .inf -.inf nan inf Infinity
+NaN true True yes no on off maybe null ~ Null 2024-02-30 2024-02-28 2024-02-28T25:00:00Z 0000-00-00 12:60 !
+!!binary !!python/object:os.system !!int !!bool !!timestamp !!set &a *a << <<: ? : - | > |9 % %TAG @ ` ' " [ ] { } [] {} , # ... ---
+\\x \\u12 \\ud800 0.1.2 1e5e5 +-1 １２ ٣""".split()
+TRAPS += ["", " ", "\t", "\0", "\r", "\ufeff", "\u2028", "\x85", "\x1b[31m", "\ud7ff"]
+TRAPS += ["9" * 400, "9" * 5000, "x" * 10_000, "[" * 50, "{a: " * 50]
 TRAPS += ["a: &a [x, x]\nb: &b [*a, *a]\nc: [*b, *b]", "- " * 30, "? " * 30, '"' + "\\n" * 300 + '"', "0." + "1" * 3000, "!" + "t" * 900]
 Reader = namedtuple("Reader", "read error ending good")  # read(path); error that it raises; a name's ending; good texts
 
 
 def readers() -> dict[str, Reader]:
     """Every reader, with good files."""
-    genomes = [genome_text(random_genome(np.random.default_rng(k), units), {"task": "swim", "made": "2024-02-28"}) for k, units in enumerate((0, 3, 20))]
+    about = {"task": "swim", "made": "2024-02-28"}
+    genomes = [genome_text(random_genome(np.random.default_rng(k), units), about) for k, units in enumerate((0, 3, 20))]
     return {
         "genome": Reader(load_genome, GenomeError, ".yaml", genomes),
         "body": Reader(load_body, BodyError, ".yaml", [*_BODIES, json.dumps(_grid(4)), json.dumps(_grid(3), indent="\t")]),
@@ -54,12 +57,14 @@ def readers() -> dict[str, Reader]:
 
 
 _BODIES = [
-    "position: [[0, 0], [1, 0], [0.5, 0.9]]\nsprings: [[0, 1], [1, 2], [0, 2]]\nrest_length: [1, 1, 1.1]\nvelocity: [[0, 0], [1, 0], [0, 1]]\n"
+    "position: [[0, 0], [1, 0], [0.5, 0.9]]\nsprings: [[0, 1], [1, 2], [0, 2]]\nrest_length: [1, 1, 1.1]\n"
+    "velocity: [[0, 0], [1, 0], [0, 1]]\n"
     "activation: {amplitude: 0.3, frequency: 1.0, phase: [0, 1, 2]}\nscene: {drag_normal: 100, drag_tangential: 0.5}\nmass: [1, 2, 3]\n",
     "position:\n- [0, 0]\n- [1, 0]\n- [1, 1]\n- [0, 1]\nsprings: gabriel\nchambers: faces\nstiffness: 1e2\ndamping: 1e-3\npressure: 4e2\n",
 ]
 _WORLDS = [
-    "ground: [[-50, 0], [4, 0], [4.1, 0.5], [50, 0.5]]   # m\nceiling: [[-50, 100], [8, 100], [8.1, 3], [50, 3]]\nfriction: 0.8\ngravity: 5.0\n",
+    "ground: [[-50, 0], [4, 0], [4.1, 0.5], [50, 0.5]]   # m\nceiling: [[-50, 100], [8, 100], [8.1, 3], [50, 3]]\n"
+    "friction: 0.8\ngravity: 5.0\n",
     "steps: {rise: 0.3, run: 3, level: 6}\nfriction: 8e-1\n", "rough: {seed: 1, spacing: 1, height: 0.5, level: 6}\n",
     "bumps:\n  height: 0.6\n  width: 1.5\n  apart: 6\n  level: 6\n", "slope: -8.5\n", '{"slope": 3, "friction": 0.5}',
 ]

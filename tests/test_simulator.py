@@ -89,8 +89,10 @@ def test_a_task_of_zeros_in_a_request_is_the_default_one(lab, name):
 
 def test_a_task_filled_in_part_is_checked_and_never_completed(lab):
     for task, says in (
-        (TaskMessage(name="fly"), "task 'fly' is unknown"), (TaskMessage(name="f" * 10_000), "is unknown"), (TaskMessage(control_steps=40), "development.max_cells is 0"),
-        (TaskMessage(name="swim", control_steps=40), "development.max_cells is 0"), (TaskMessage(name="walk", control_step=float("nan")), "is"),
+        (TaskMessage(name="fly"), "task 'fly' is unknown"), (TaskMessage(name="f" * 10_000), "is unknown"),
+        (TaskMessage(control_steps=40), "development.max_cells is 0"),
+        (TaskMessage(name="swim", control_steps=40), "development.max_cells is 0"),
+        (TaskMessage(name="walk", control_step=float("nan")), "is"),
     ):
         answer = lab.call(Load, f"{NAMESPACE}/load", task=task, genome=genome_message(dividing()))
         assert not answer.success and says in answer.message and len(answer.message) <= 300
@@ -112,7 +114,9 @@ def filled(message, values):
 def test_what_the_request_command_prints_is_taken(lab, tmp_path, capsys):
     genome = first_viable(1)[0]
     save_genome(tmp_path / "genome.yaml", genome)
-    for more, service, task in (([], "load", Task()), (["--set", "development.max_cells=8"], "load", None), (["--service", "evaluate"], "evaluate", Task())):
+    for more, service, task in (
+        ([], "load", Task()), (["--set", "development.max_cells=8"], "load", None), (["--service", "evaluate"], "evaluate", Task()),
+    ):
         assert request_main([str(tmp_path / "genome.yaml"), *more]) == 0
         text = capsys.readouterr().out
         kind = {"load": Load, "evaluate": Evaluate}[service]

@@ -43,7 +43,9 @@ _AMBIGUOUS = re.compile(r"[-+]?(0b[01_]*|0o[0-7_]*|0x[0-9a-fA-F_]*|\.?[0-9][0-9_
 _DATE = re.compile(
     r"(\d{4})-(\d\d?)-(\d\d?)(?:(?:[Tt]|[ \t]+)(\d\d?):(\d\d):(\d\d)(?:\.\d*)?(?:[ \t]*(?:Z|([-+]\d\d?)(?::?(\d\d))?))?)?", re.ASCII
 )
-_BYTE_ORDERS = ((codecs.BOM_UTF32_LE, "UTF-32"), (codecs.BOM_UTF32_BE, "UTF-32"), (codecs.BOM_UTF16_LE, "UTF-16"), (codecs.BOM_UTF16_BE, "UTF-16"))
+_BYTE_ORDERS = {
+    codecs.BOM_UTF32_LE: "UTF-32", codecs.BOM_UTF32_BE: "UTF-32", codecs.BOM_UTF16_LE: "UTF-16", codecs.BOM_UTF16_BE: "UTF-16",
+}
 
 
 def read_text(path: str | os.PathLike, error: type[InputError], give: str) -> str:
@@ -66,7 +68,7 @@ def read_text(path: str | os.PathLike, error: type[InputError], give: str) -> st
 
 
 def _decoded(data, path, error, give):
-    for mark, name in _BYTE_ORDERS:
+    for mark, name in _BYTE_ORDERS.items():
         if data.startswith(mark):
             raise error(f"{path} is {name}: save it as UTF-8")
     data = data.removeprefix(codecs.BOM_UTF8)
@@ -100,7 +102,8 @@ def parsed(text: str, error: type[InputError]):
             pass
     directive = re.search("^%", text, re.MULTILINE)
     if directive:
-        raise error(f"line {text.count(chr(10), 0, directive.start()) + 1}: begins with %, a directive of YAML: delete the line, or quote the text")
+        line = text.count("\n", 0, directive.start()) + 1
+        raise error(f"line {line}: begins with %, a directive of YAML: delete the line, or quote the text")
     try:
         events = _Events(text)
         try:
@@ -114,7 +117,8 @@ def parsed(text: str, error: type[InputError]):
     except (yaml.YAMLError, UnicodeEncodeError) as fault:  # characters that cannot be printed
         position = getattr(fault, "position", None)
         position = fault.start if position is None else position
-        raise error(f"line {text.count(chr(10), 0, position) + 1}: {shown(text[position : position + 1])} is no character of YAML: delete it") from None
+        line = text.count("\n", 0, position) + 1
+        raise error(f"line {line}: {shown(text[position : position + 1])} is no character of YAML: delete it") from None
 
 
 def _without_doubles(pairs, error):
@@ -194,7 +198,8 @@ def _scalar(event, error):
     if text in _NOT_FINITE:
         return _NOT_FINITE[text]
     if _AMBIGUOUS.fullmatch(text):
-        raise error(f"line {_line(event)}: {shown(text)} is a number to some readers of YAML only: give a decimal number, or quotes if it is text")
+        what = "is a number to some readers of YAML only"
+        raise error(f"line {_line(event)}: {shown(text)} {what}: give a decimal number, or quotes if it is text")
     if not _can_be(_DATE.fullmatch(text)):
         raise error(f"line {_line(event)}: {shown(text)} is no date or time: mend it, or give quotes if it is text")
     return text

@@ -34,9 +34,8 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--service", default="load", metavar="NAME", help=f"{', '.join(SERVICES)} (default %(default)s)")
     parser.add_argument("--task", default=names()[0], metavar="NAME", help=f"for a genome: {', '.join(names())} (default %(default)s)")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="for a genome: a number of its task")
-    parser.add_argument(
-        "--real-time-factor", type=real_number, default=1.0, metavar="X", help="load: simulated s per s; 0 is as fast as it goes (default %(default)s)"
-    )
+    pace = "load: simulated s per s; 0 is as fast as it goes (default %(default)s)"
+    parser.add_argument("--real-time-factor", type=real_number, default=1.0, metavar="X", help=pace)
     given = parser.parse_args(without_ros(parser, sys.argv[1:] if arguments is None else arguments))
     try:
         if given.service not in SERVICES:

@@ -201,7 +201,9 @@ def _springs(given, position):
         return edges, np.arange(len(edges))
     seen: dict[tuple[int, int], int] = {}
     if len(_list(given, "springs", "pairs of cells, or gabriel")) > 3 * cells:
-        raise BodyError(f"springs has {len(given)} entries: a planar graph of {cells} cells has fewer than {3 * cells}, give those that do not cross")
+        raise BodyError(
+            f"springs has {len(given)} entries: a planar graph of {cells} cells has fewer than {3 * cells}, leave out those that cross"
+        )
     for s, row in enumerate(given):
         pair = tuple(sorted(_indices(row, f"springs[{s}]", cells, "two cells, [i, j]")))
         if len(pair) != 2 or pair[0] == pair[1]:
@@ -245,7 +247,9 @@ def _with_chambers(body, given, edges):
 def _cycles(given, cells, edges):
     joined = {tuple(edge) for edge in edges.tolist()}
     if len(_list(given, "chambers", "lists of cells")) > 2 * cells:
-        raise BodyError(f"chambers has {len(given)} entries: a planar graph of {cells} cells has fewer than {2 * cells} faces, give each once")
+        raise BodyError(
+            f"chambers has {len(given)} entries: a planar graph of {cells} cells has fewer than {2 * cells} faces: give each once"
+        )
     rows = [_indices(row, f"chambers[{c}]", cells, "cells") for c, row in enumerate(given)]
     for c, row in enumerate(rows):
         if len(row) < 3 or len(set(row)) < len(row):
