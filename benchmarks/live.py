@@ -19,6 +19,7 @@ from evodevo_sim import random_genome
 from evodevo_sim.live import Animat, NotViable
 from evodevo_sim.messages import genome_message, target_message, task_message
 from evodevo_sim.nodes.common import stay_on_this_host
+from evodevo_sim.nodes.loopback import loopback_alone
 from evodevo_sim.nodes.own import OwnSimulators
 from evodevo_sim.parameters import default_task, with_settings
 from geometry_msgs.msg import PoseStamped
@@ -46,7 +47,8 @@ def main():
     task = with_settings(default_task("chemotaxis"), {"development.max_cells": given.cells})
     genome = full_grown(task)
     stay_on_this_host()
-    rclpy.init()
+    with loopback_alone():
+        rclpy.init()
     node = rclpy.create_node("live_benchmark")
     executor = SingleThreadedExecutor()
     executor.add_node(node)

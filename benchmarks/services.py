@@ -21,6 +21,7 @@ from evodevo_ga.in_process import evaluate_all
 from evodevo_ga.times import EVALUATION, MESSAGES, Times
 from evodevo_sim import Task
 from evodevo_sim.nodes.common import stay_on_this_host
+from evodevo_sim.nodes.loopback import loopback_alone
 from evodevo_sim.nodes.own import OwnSimulators
 from evodevo_sim.parameters import with_settings
 from rclpy.experimental import EventsExecutor
@@ -66,7 +67,8 @@ def main():
     evolution = evolved(task, given.population, given.generations, given.workers)
 
     stay_on_this_host()
-    rclpy.init()
+    with loopback_alone():
+        rclpy.init()
     node, executor = rclpy.create_node("benchmark"), EventsExecutor()
     executor.add_node(node)
     with OwnSimulators(given.workers) as own:

@@ -37,10 +37,12 @@ class Operator:
 
     def __enter__(self):
         import rclpy
+        from evodevo_sim.nodes.loopback import loopback_alone
         from rclpy.executors import SingleThreadedExecutor
 
         self._context = rclpy.Context()
-        rclpy.init(context=self._context)
+        with loopback_alone():
+            rclpy.init(context=self._context)
         self.node = rclpy.create_node(f"operator_{os.getpid()}", context=self._context)
         self.executor = SingleThreadedExecutor(context=self._context)
         self.executor.add_node(self.node)
