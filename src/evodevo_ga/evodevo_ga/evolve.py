@@ -15,6 +15,7 @@ from evodevo_sim.gait import GaitError, analyse, track_of_performance
 from evodevo_sim.gait.table import headline
 from evodevo_sim.messages import gait_message
 from evodevo_sim.nodes.common import stay_on_this_host
+from evodevo_sim.nodes.loopback import loopback_alone
 from evodevo_sim.nodes.own import OwnSimulators
 from evodevo_sim.recording import Recorder, RecordingError, record_performance
 from rclpy.experimental import EventsExecutor
@@ -61,7 +62,8 @@ def main(arguments: list[str] | None = None) -> int:
     stay_on_this_host()
     try:
         with Recorder(options.out) as recorder:
-            rclpy.init(args=["evolve", *arguments], signal_handler_options=SignalHandlerOptions.NO)
+            with loopback_alone():
+                rclpy.init(args=["evolve", *arguments], signal_handler_options=SignalHandlerOptions.NO)
             run = _Run(options, recorder, stop)
             with run.times(START):
                 prepare(options.task)  # before simulators start, so that they only load the kernels
@@ -151,7 +153,8 @@ class _Run:
                 with self.times(BREEDING):
                     asked = self.evolution.ask()
                 with self.times(EVALUATION):
-                    evaluations = fleet.evaluate(asked, o.task, o.seed, self.stop)
+                    best = self.champion.evaluation.fitness if self.champion else float("-inf")
+                    evaluations = fleet.evaluate(asked, o.task, o.seed, self.stop, best)
                 if evaluations is None:
                     break
                 with self.times(BREEDING):

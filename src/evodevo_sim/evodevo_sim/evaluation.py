@@ -11,6 +11,7 @@ from ._jit import is_compiled, remove_old_caches
 from .body import build_body
 from .genome import Genome, random_genome
 from .life import develop
+from .memory import over_limit
 from .outcome import Evaluation, Metrics, Status, failure
 from .parameters import Task
 from .swim_task import kernel_arguments
@@ -53,7 +54,8 @@ def evaluate(genome: Genome, task: Task = Task(), seed: int = 0) -> Evaluation:
         task: what for.
         seed: of whatever the task draws at random: noise, where there is any, and of walking the orientations at birth.
     """
-    return _RUN[task.name](genome, task, seed, 1, *_NOT_KEPT)
+    too_much = over_limit(genome, task)
+    return invalid(too_much) if too_much else _RUN[task.name](genome, task, seed, 1, *_NOT_KEPT)
 
 
 def prepare(task: Task = Task(), say=print) -> None:
