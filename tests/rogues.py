@@ -93,8 +93,8 @@ FAULTS = {
     "refuses": _answer(evaluations=[], error="sensor lost"),
     "a long refusal": _answer(evaluations=[], error="lost\n" * 2_000_000),
     "neg": changed(fitness=-5.0),
-    "flatters": changed(fitness=1e6),
-    "flatters later": _later(changed(fitness=1e6)),
+    "flatters": changed(fitness=1e6, status=0, cause=""),
+    "flatters later": _later(changed(fitness=1e6, status=0, cause="")),
     "another metric": changed(**{"metrics.distance": 123.0}),
     "another request": _of_another_request,
     "all are invalid": _invalid,
@@ -108,7 +108,7 @@ def service(name, fault=lambda request, response, count: response):
     context = rclpy.Context()
     with loopback_alone():
         rclpy.init(context=context)
-    node = rclpy.create_node("driver", context=context)
+    node = rclpy.create_node("driver", namespace=name.rpartition("/")[0], context=context)
     executor = SingleThreadedExecutor(context=context)
     executor.add_node(node)
     count, stop = [0], threading.Event()

@@ -28,7 +28,7 @@ from hypothesis import strategies as st
 from lab import DEADLINE, Operator
 from rogues import FAULTS, Death, service
 
-TASK = with_settings(Task(), {"development.max_cells": 8, "development.steps": 60, "control_steps": 40})
+TASK = with_settings(Task(), {"development.max_cells": 12, "control_steps": 40})
 SEED = 1
 _numbers = itertools.count()
 
