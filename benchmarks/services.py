@@ -77,7 +77,9 @@ def main():
         fleet.wait(60.0, own.alive)
         ways = {
             "in this process": lambda genomes: evaluate_all(genomes, task, SEED, given.workers),
-            "through simulators": lambda genomes: watched(times, fleet.evaluate, genomes, task, SEED),
+            "through simulators": lambda genomes: watched(
+                times, fleet.evaluate, genomes, task, SEED, lambda: False, evolution.champion.evaluation.fitness
+            ),
         }
         seconds, work = {name: [] for name in ways}, dict.fromkeys(ways, 0.0)
         results = {name: evaluate(evolution.ask()) for name, evaluate in ways.items()}  # warm

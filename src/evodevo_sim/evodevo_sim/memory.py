@@ -24,7 +24,7 @@ def needed(genome: Genome, task: Task) -> float:
     if development.variant == "continual_graph":
         return bytes_ + 4.0 * cells**2  # which pairs were found apart
     remembered = min(2.0 * cells / development.morphogen_speed + 2.0, _LONGEST + 1.0)
-    return bytes_ + 8.0 * remembered * morphogens * cells + 52.0 * cells**2  # every pair is an edge, and has a delay
+    return bytes_ + 16.0 * remembered * morphogens * cells + 52.0 * cells**2  # every pair is an edge, and has a delay
 
 
 def over_limit(genome: Genome, task: Task) -> str:

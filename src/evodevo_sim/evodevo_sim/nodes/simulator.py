@@ -96,7 +96,7 @@ class Simulator(Node):
         except Exception as error:
             cause = told(error)
         self._callbacks.warn("evaluation", f"the evaluation of a genome of {len(genome)} elements failed: {cause}", error=True)
-        return invalid(f"its evaluation failed: {cause}")
+        return invalid(brief(f"its evaluation failed: {cause}"))
 
     # --- the live animat -------------------------------------------------------------------------------------------------
 
