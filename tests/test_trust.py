@@ -196,7 +196,7 @@ def test_a_run_beside_a_rogue_is_the_run_without_one(tmp_path):
         evolution.tell(evaluate_all(evolution.ask(), task, 3))
 
     def run(out):
-        command = [sys.executable, "-m", "evodevo_ga.evolve", *small, "--look", "5", "--quiet", "--out", str(out)]
+        command = [sys.executable, "-m", "evodevo_ga.evolve", *small, "--look", "1", "--quiet", "--out", str(out)]
         return subprocess.run(command, capture_output=True, text=True, timeout=DEADLINE)
 
     with service(f"/rogue_{os.getpid()}/evaluate", FAULTS["flatters later"]):
