@@ -15,6 +15,7 @@ import psutil
 import rclpy
 from evodevo_sim.live.animat import Animat, NotViable
 from evodevo_sim.parameters import default_task, with_settings
+from evodevo_sim.ros.loopback import loopback_alone
 from evodevo_sim.ros.messages import genome_message, target_message, task_message
 from evodevo_sim.ros.own_simulators import OwnSimulators
 from evodevo_sim.ros.process import stay_on_this_host
@@ -47,7 +48,8 @@ def main():
     task = with_settings(default_task("chemotaxis"), {"development.max_cells": given.cells})
     genome = full_grown(task)
     stay_on_this_host()
-    rclpy.init()
+    with loopback_alone():
+        rclpy.init()
     node = rclpy.create_node("live_benchmark")
     executor = SingleThreadedExecutor()
     executor.add_node(node)

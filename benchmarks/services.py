@@ -19,6 +19,7 @@ from evodevo_ga.fleet import Fleet
 from evodevo_ga.in_process import evaluate_all
 from evodevo_ga.times import EVALUATION, MESSAGES, Times
 from evodevo_sim.parameters import with_settings
+from evodevo_sim.ros.loopback import loopback_alone
 from evodevo_sim.ros.own_simulators import OwnSimulators
 from evodevo_sim.ros.process import stay_on_this_host
 from rclpy.experimental import EventsExecutor
@@ -67,7 +68,8 @@ def main():
     evolution = evolved(task, given.population, given.generations, given.workers)
 
     stay_on_this_host()
-    rclpy.init()
+    with loopback_alone():
+        rclpy.init()
     node, executor = rclpy.create_node("benchmark"), EventsExecutor()
     executor.add_node(node)
     with OwnSimulators(given.workers) as own:
@@ -76,7 +78,9 @@ def main():
         fleet.wait(60.0, own.alive)
         ways = {
             "in this process": lambda genomes: evaluate_all(genomes, task, SEED, given.workers),
-            "through simulators": lambda genomes: watched(times, fleet.evaluate, genomes, task, SEED),
+            "through simulators": lambda genomes: watched(
+                times, fleet.evaluate, genomes, task, SEED, lambda: False, evolution.champion.evaluation.fitness
+            ),
         }
         seconds, work = {name: [] for name in ways}, dict.fromkeys(ways, 0.0)
         results = {name: evaluate(evolution.ask()) for name, evaluate in ways.items()}  # warm

@@ -37,12 +37,14 @@ class Operator:
 
     def __enter__(self):
         import rclpy
+        from evodevo_sim.ros.loopback import loopback_alone
         from rclpy.executors import SingleThreadedExecutor
 
-        self._context = rclpy.Context()
-        rclpy.init(context=self._context)
-        self.node = rclpy.create_node(f"operator_{os.getpid()}", context=self._context)
-        self.executor = SingleThreadedExecutor(context=self._context)
+        self.context = rclpy.Context()
+        with loopback_alone():
+            rclpy.init(context=self.context)
+        self.node = rclpy.create_node(f"operator_{os.getpid()}", context=self.context)
+        self.executor = SingleThreadedExecutor(context=self.context)
         self.executor.add_node(self.node)
         self._clients = {}
         return self
@@ -51,7 +53,7 @@ class Operator:
         import rclpy
 
         self.node.destroy_node()
-        rclpy.try_shutdown(context=self._context)
+        rclpy.try_shutdown(context=self.context)
 
     def until(self, done, seconds=DEADLINE):
         """Spin until `done()` says something true, and return that."""

@@ -28,7 +28,7 @@ import evodevo_sim
 
 PACKAGE = Path(evodevo_sim.__file__).parent
 SCRIPT = """
-from evodevo_sim import _jit
+from evodevo_sim.kernels import jit as _jit
 before = _jit.is_compiled("regulation.affinity")
 from evodevo_sim.kernels.lanes import padded
 from evodevo_sim.genetics.regulation import activation, affinity
@@ -74,7 +74,7 @@ def test_the_next_process_finds_what_the_first_compiled_though_everything_was_mo
 
 def test_a_changed_constant_in_another_file_is_never_a_stale_hit(copy):
     folder, first = copy
-    source = folder / "evodevo_sim" / "regulation.py"
+    source = folder / "evodevo_sim" / "genetics" / "regulation.py"
     source.write_text(source.read_text().replace("REACH = 5.0", "REACH = 4.0"))
     after = run(folder)
     assert not after.found and after.value != first.value and after.directory.name != first.directory.name
@@ -95,16 +95,17 @@ def test_a_chosen_cache_directory_keeps_kernels_of_other_sources_apart(copy, tmp
 def test_a_changed_constant_in_a_sub_package_is_never_a_stale_hit(copy):
     folder, first = copy
     package = folder / "evodevo_sim"
-    inner = package / "genetics"
+    inner = package / "genetics" / "networks"
     inner.mkdir()
     (inner / "__init__.py").write_text("from .regulation import affinity\n")
     source = inner / "regulation.py"
-    source.write_text((package / "regulation.py").read_text().replace("from .", "from .."))
-    (package / "regulation.py").unlink()
+    moved = (package / "genetics" / "regulation.py").read_text()
+    source.write_text(moved.replace("from ..", "from ...").replace("from .genome", "from ..genome"))
+    (package / "genetics" / "regulation.py").unlink()
     for file in package.rglob("*.py"):
         if file.parent != inner:
-            file.write_text(file.read_text().replace("from .regulation import", "from .genetics.regulation import"))
-    script = SCRIPT.replace("sim.regulation import", "sim.genetics.regulation import")
+            file.write_text(file.read_text().replace("genetics.regulation import", "genetics.networks.regulation import"))
+    script = SCRIPT.replace("genetics.regulation import", "genetics.networks.regulation import")
     before = run(folder, script)
     assert before.value == first.value
     source.write_text(source.read_text().replace("REACH = 5.0", "REACH = 4.0"))
@@ -125,7 +126,7 @@ def test_every_file_whose_code_numba_was_given_counts():
 def test_what_no_kernel_depends_on_does_not_count():
     names = {path.relative_to(PACKAGE.resolve()).as_posix() for path in _jit.kernel_sources()}
     assert "parameters.py" in names
-    assert not names & {"__init__.py", "messages.py", "evaluation.py", "gait/contact.py", "replay/cli.py", "nodes/simulator.py"}
+    assert not names & {"__init__.py", "ros/messages.py", "tasks/evaluation.py", "analysis/gait/contact.py", "view/picture.py", "nodes/simulator.py"}
 
 
 TREE = {
@@ -593,7 +594,7 @@ def test_processes_that_compile_and_read_at_once_do_not_meet(own):
 import sys
 sys.path.insert(0, sys.argv[1])
 from pathlib import Path
-from evodevo_sim import _jit
+from evodevo_sim.kernels import jit as _jit
 _jit.CACHE_DIRECTORY = Path(sys.argv[2])
 import own_kernels
 for i in range(8):

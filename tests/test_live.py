@@ -104,11 +104,14 @@ def test_a_stage_shows_every_so_many_steps_of_the_same_life(stage_for):
 def test_a_pause_holds_and_a_reset_shows_birth_again(stage_for):
     audience = Audience()
     stage = stage_for(audience)
-    assert stage.pause(True) is False and stage.reset() is False  # nobody there
+    assert stage.pause(True) is False and stage.reset() is False and not stage.paused  # nobody there
     stage.load(swimmer(), 0.0)
     assert audience.next()[0] == 0
+    assert stage.pause(True) is True
+    while not audience.shown.empty():
+        audience.shown.get()
     stage.aim((3.0, 4.0))
-    assert stage.reset() is True
+    assert stage.reset() is True and stage.paused
     step, target, _ = audience.next()
     assert (step, target) == (0, (3.0, 4.0)) and audience.shown.empty()  # every question to the thread found it holding
     assert stage.pause(False) is True
@@ -118,7 +121,6 @@ def test_a_pause_holds_and_a_reset_shows_birth_again(stage_for):
 def test_a_target_stays_for_the_next_animat(stage_for):
     audience = Audience()
     stage = stage_for(audience)
-    stage.pause(True)
     stage.aim((1.0, -1.0))
     stage.load(swimmer(), 1.0)
     assert audience.next()[1] == (1.0, -1.0)
@@ -163,9 +165,11 @@ def test_a_target_reaches_the_network_in_the_next_control_step(stage_for):
     """From the step after `aim` on, the life is that of an animat that had the target from there on, bit for bit."""
     audience = Audience()
     stage = stage_for(audience)
-    stage.pause(True)
     stage.load(seeker(), 0.0)
-    assert audience.next()[0] == 0
+    stage.pause(True)
+    stage.reset()
+    while audience.next()[0] or not audience.shown.empty():
+        pass
     stage.aim((4.0, 2.0))
     stage.pause(False)
     other = seeker()

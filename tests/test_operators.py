@@ -54,7 +54,7 @@ def test_points_move_and_nothing_else(genome, seed):
 
 
 def test_point_mutation_has_its_rate_and_length():
-    genome = random_genome(np.random.default_rng(0), 2000)
+    genome = random_genome(np.random.default_rng(0), 990)
     child = mutate_points(genome, np.random.default_rng(1), 0.1, 3.0)
     length = np.hypot(child.x - genome.x, child.y - genome.y)
     moved = length > 0

@@ -26,6 +26,9 @@ class Springs:
         self.taken.append(activation.copy())
         return Outcome.SOUND
 
+    def reset(self):
+        self.position[:], self.velocity[:] = 0.0, 0.0
+
     def rests(self):
         return False
 

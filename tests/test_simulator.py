@@ -1,5 +1,6 @@
 """The simulator node over real DDS: the library's bits, a live animat, and a node that outlives any request."""
 
+import math
 import os
 import signal
 import subprocess
@@ -7,10 +8,11 @@ import sys
 
 import numpy as np
 import pytest
+import rclpy
 import yaml
 from evodevo_sim.commands.request import main as request_main
 from evodevo_sim.live.animat import Animat
-from evodevo_sim.nodes.simulator import LATCHED
+from evodevo_sim.nodes.simulator import LATCHED, _seconds
 from evodevo_sim.parameters import default_task, with_settings
 from evodevo_sim.ros.messages import evaluation_from_message, genome_message, task_message
 from evodevo_sim.ros.process import stay_on_this_host
@@ -24,7 +26,7 @@ from test_chemotaxis import pulsing_smeller
 from evodevo_msgs.msg import Body, CellStates, Genome
 from evodevo_msgs.msg import Task as TaskMessage
 from evodevo_msgs.srv import Evaluate, Load
-from evodevo_sim import Status, Task, evaluate, perform, random_genome, save_genome
+from evodevo_sim import ParameterError, Status, Task, evaluate, perform, random_genome, save_genome
 
 NAMESPACE = f"/test_{os.getpid()}"
 TASK = with_settings(Task(), {"development.max_cells": 8, "control_steps": 40})
@@ -240,7 +242,7 @@ def test_a_live_animat_follows_the_last_good_target_whatever_else_comes():
         publisher.publish(good)
         asked = states[-1].step
         operator.until(lambda: states[-1].step > asked + 60)
-        for bad in (pose(float("nan")), pose(1.0, float("inf")), pose(1.0, frame="moon"), pose(1.0, frame=""), pose(1.0, sec=1), pose(1.0, sec=now.sec + 1000)):
+        for bad in (pose(float("nan")), pose(1.0, float("inf")), pose(1.0, frame="moon"), pose(1.0, frame=""), pose(1.0, sec=1), pose(1.0, sec=-1), pose(1.0, sec=now.sec + 1000)):
             publisher.publish(bad)
             asked = states[-1].step
             operator.until(lambda: states[-1].step > asked + 5)
@@ -256,7 +258,7 @@ def test_a_live_animat_follows_the_last_good_target_whatever_else_comes():
         if step in seen:
             assert np.array_equal(np.column_stack((seen[step].position_x, seen[step].position_y)), animat.position)
         animat.step()
-    for says in ("(nan, 0.0) ignored", "frame 'moon' ignored", "s ago ignored", "in the future ignored"):
+    for says in ("(nan, 0.0) ignored", "frame 'moon' ignored", "s ago ignored", "in the future ignored", "stamp of -1 s ignored"):
         assert says in stderr
 
 
@@ -305,6 +307,8 @@ def test_nodes_stay_on_this_host_unless_told_otherwise(monkeypatch):
         (["--ros-args", "-p", "max_batch:=0"], "max_batch"),
         (["--ros-args", "-p", "publish_every:=often"], "publish_every"),
         (["--ros-args", "-r", "__ns:=no good"], "no good"),
+        (["--ros-args", "-p", "target_age:=nan"], "target_age is nan"),
+        (["--ros-args", "-p", "frame_id:=''"], "frame_id is empty"),
     ],
 )
 def test_bad_arguments_get_one_line_and_exit_code_2(arguments, says):
@@ -312,3 +316,15 @@ def test_bad_arguments_get_one_line_and_exit_code_2(arguments, says):
     result = subprocess.run(command, capture_output=True, text=True, timeout=DEADLINE)
     assert result.returncode == 2 and says in result.stderr, result.stderr
     assert [line.partition(":")[0] for line in result.stderr.splitlines() if not line.startswith("[WARN]")] == ["simulator"]
+
+
+@pytest.mark.parametrize("value, says", [(-1, "is -1"), (math.inf, "is inf"), (True, "is True"), ("soon", "is 'soon'"), (1e10, "is 1"), (-0.1, "is -0.1")])
+def test_a_time_that_cannot_be_is_refused_by_name(value, says):
+    with Operator() as operator:
+        node = rclpy.create_node("timed", context=operator.context, parameter_overrides=[rclpy.Parameter("target_age", value=value)])
+        with pytest.raises(ParameterError, match=f"target_age {says}"):
+            _seconds(node, "target_age", 1.0, "s")
+        whole = rclpy.create_node("whole", context=operator.context, parameter_overrides=[rclpy.Parameter("target_age", value=2)])
+        assert _seconds(whole, "target_age", 1.0, "s") == 2.0
+        node.destroy_node()
+        whole.destroy_node()

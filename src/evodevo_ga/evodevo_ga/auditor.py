@@ -6,7 +6,7 @@ import os
 import threading
 import time
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from evodevo_sim.tasks.audit import Audit, audit
 
@@ -51,6 +51,10 @@ class Auditor:
     def _audit(self, champion: Individual) -> Audit:
         began = time.thread_time()
         found = audit(champion.genome, self._task, self._seed, quick=True)
+        recorded, own = champion.evaluation.fitness, found.evaluation.fitness
+        if recorded != own:
+            fault = f"the recorded fitness of {recorded:.6g} differs from that of its own evaluation, {own:.6g}"
+            found = replace(found, faults=(fault, *found.faults))
         self.done, self.cpu = self.done + 1, self.cpu + time.thread_time() - began
         return found
 

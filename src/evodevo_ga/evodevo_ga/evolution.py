@@ -96,9 +96,15 @@ class Evolution:
         return self._asked
 
     def tell(self, evaluations: list[Evaluation]) -> Generation:
-        """Take the evaluations of what `ask` gave, in its order, and make the next population of them."""
+        """Take the evaluations of what `ask` gave, in its order, and make the next population of them.
+
+        Raises ValueError, and changes nothing, where there are not as many, or a fitness is no finite number.
+        """
         if not self._children or len(evaluations) != len(self._asked):
             raise ValueError(f"{len(evaluations)} evaluations for {len(self._asked)} genomes: give one each, in the order asked")
+        for k, evaluation in enumerate(evaluations):
+            if not np.isfinite(evaluation.fitness):
+                raise ValueError(f"evaluation {k} has a fitness of {evaluation.fitness}: give a finite number")
         known = self._known() | {genome.key(): evaluation for genome, evaluation in zip(self._asked, evaluations)}
         before = self.champion.evaluation.fitness if self.population else -np.inf
         children = [

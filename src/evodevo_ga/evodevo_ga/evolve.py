@@ -12,6 +12,7 @@ import rclpy
 from evodevo_sim.analysis.gait import GaitError, analyse, track_of_performance
 from evodevo_sim.analysis.gait.table import headline
 from evodevo_sim.recording import Recorder, RecordingError, record_performance
+from evodevo_sim.ros.loopback import loopback_alone
 from evodevo_sim.ros.messages import gait_message
 from evodevo_sim.ros.own_simulators import OwnSimulators
 from evodevo_sim.ros.process import stay_on_this_host
@@ -68,7 +69,8 @@ def main(arguments: list[str] | None = None) -> int:
     stay_on_this_host()
     try:
         with Recorder(options.out) as recorder:
-            rclpy.init(args=["evolve", *arguments], signal_handler_options=SignalHandlerOptions.NO)
+            with loopback_alone():
+                rclpy.init(args=["evolve", *arguments], signal_handler_options=SignalHandlerOptions.NO)
             run = _Run(options, recorder, stop)
             with run.times(START):
                 prepare(options.task)  # before simulators start, so that they only load the kernels
@@ -159,7 +161,8 @@ class _Run:
                 with self.times(BREEDING):
                     asked = self.evolution.ask()
                 with self.times(EVALUATION):
-                    evaluations = fleet.evaluate(asked, o.task, o.seed, self.stop)
+                    best = self.champion.evaluation.fitness if self.champion else float("-inf")
+                    evaluations = fleet.evaluate(asked, o.task, o.seed, self.stop, best)
                 if evaluations is None:
                     break
                 with self.times(BREEDING):

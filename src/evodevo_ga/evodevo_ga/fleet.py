@@ -1,17 +1,24 @@
-"""Simulator nodes as one evaluator: finds them on the graph, and shares a generation's genomes among them."""
+"""Simulator nodes as one evaluator: finds them on the graph, and shares a generation's genomes among them.
+
+Nothing rests on an answer that was not looked at (see `answers`).  Besides, one genome of the first answer of each node, and each
+that would be champion, is evaluated here too: a node that gives another fitness for it is dropped, and what it answered goes to others.
+"""
 
 from __future__ import annotations
 
 import time
-from collections import deque
-from dataclasses import dataclass
+from collections import Counter, deque
+from dataclasses import dataclass, field
 
-from evodevo_sim.ros.messages import evaluation_from_message, genome_message, task_message
+from evodevo_sim.ros.barrier import brief, told
+from evodevo_sim.ros.messages import genome_message, task_message
+from evodevo_sim.tasks.evaluation import invalid
 from rclpy.callback_groups import ReentrantCallbackGroup
 
 from evodevo_msgs.srv import Evaluate
-from evodevo_sim import Evaluation, Genome, Task
+from evodevo_sim import Evaluation, Genome, Status, Task, evaluate
 
+from .answers import AnswerError, alike, look_at
 from .times import MESSAGES, Times
 
 SERVICE_TYPE = "evodevo_msgs/srv/Evaluate"
@@ -19,6 +26,8 @@ BATCH = 16  # genomes in a request, at the most
 IN_FLIGHT = 2  # requests queued at a node, so that it never waits for us
 ANSWER_WITHIN = 120.0  # s for one request, and a hundred times what its steps take; a node that takes longer counts as lost
 _SLOW_STEP = 1e-3  # s
+_SLOW_PAIR = 1e-9  # s for a pair of genetic elements in a cell and a step
+_MOST_ENDED = 2  # simulators that a genome may end before it counts as failed
 _LOOK_EVERY = 0.1  # s, at the silent ones
 
 
@@ -50,6 +59,24 @@ class _Request:
     deadline: float
 
 
+@dataclass
+class _Generation:
+    """What is to be evaluated, and what is known of it.
+
+    Attributes, by place: results; by: who gave them; ended: simulators that were lost while they evaluated it, alone or in a batch;
+        doubted: who said that it is no genome, which another one is to confirm.
+    """
+
+    genomes: list[Genome]
+    task: Task
+    seed: int
+    waiting: deque[list[int]]
+    results: list[Evaluation | None]
+    by: dict[int, object] = field(default_factory=dict)
+    ended: Counter = field(default_factory=Counter)
+    doubted: dict[int, object] = field(default_factory=dict)
+
+
 class Fleet:
     """Evaluates genomes on simulator nodes.  The outcome does not depend on who evaluates what, or when.
 
@@ -62,6 +89,7 @@ class Fleet:
         self._executor = executor
         self._node = node
         self._servers = [node.create_client(Evaluate, name, callback_group=group) for name in services]
+        self._proved: list = []  # servers whose first answer was right
 
     def __len__(self) -> int:
         return len(self._servers)
@@ -81,28 +109,39 @@ class Fleet:
             else:
                 silent[0].wait_for_service(timeout_sec=0.05)
 
-    def evaluate(self, genomes: list[Genome], task: Task, seed: int, stop=lambda: False) -> list[Evaluation] | None:
+    def evaluate(
+        self, genomes: list[Genome], task: Task, seed: int, stop=lambda: False, best: float = float("-inf")
+    ) -> list[Evaluation] | None:
         """Evaluate genomes in order; None when `stop()` said to stop.
 
-        A node that dies, hangs or refuses is dropped and its genomes go to the others.  Raises FleetError when none is left.
+        A node that dies, hangs, refuses or answers what cannot be is dropped, and its genomes go to the others.  A genome that ends
+        one node after the other counts as failed.  Raises FleetError when no node is left.
+
+        Args: best: fitness from which on the best of these genomes is evaluated here too.
         """
-        waiting = deque(batches(len(genomes), len(self._servers)))
-        results: list[Evaluation | None] = [None] * len(genomes)
+        work = _Generation(genomes, task, seed, deque(batches(len(genomes), len(self._servers))), [None] * len(genomes))
+        while self._share(work, stop):
+            if self._best_is_right(work, best):
+                return work.results
+        return None
+
+    def _share(self, work: _Generation, stop) -> bool:
+        """Have all that waits evaluated.  Returns: False where `stop()` said to stop."""
         with self._times(MESSAGES):
-            message = task_message(task)
+            message = task_message(work.task)
         under_way: list[_Request] = []
         next_look = time.monotonic() + _LOOK_EVERY
-        steps = task.development.steps + task.starts * (task.settling_limit + task.control_steps)
-        patience = ANSWER_WITHIN + _SLOW_STEP * BATCH * IN_FLIGHT * steps
-        while waiting or under_way:
+        steps = work.task.development.steps + work.task.starts * (work.task.settling_limit + work.task.control_steps)
+        while work.waiting or under_way:
             if stop():
-                return None
+                return False
             for server in self._servers:
-                while waiting and sum(request.server is server for request in under_way) < IN_FLIGHT:
-                    places = waiting.popleft()
+                while sum(request.server is server for request in under_way) < IN_FLIGHT and (places := self._next(server, work)):
                     with self._times(MESSAGES):
-                        batch = [genome_message(genomes[i]) for i in places]
-                        future = server.call_async(Evaluate.Request(task=message, seed=seed, genomes=batch))
+                        batch = [genome_message(work.genomes[i]) for i in places]
+                        future = server.call_async(Evaluate.Request(task=message, seed=work.seed, genomes=batch))
+                    largest = max(len(work.genomes[i]) for i in places) ** 2 * work.task.development.max_cells
+                    patience = ANSWER_WITHIN + BATCH * IN_FLIGHT * steps * (_SLOW_STEP + _SLOW_PAIR * largest)
                     under_way.append(_Request(places, server, future, time.monotonic() + patience))
             self._executor.spin_once(timeout_sec=_LOOK_EVERY)
             # Whether those that do not answer are still there is asked now and then only: that looks through the whole graph.
@@ -110,29 +149,101 @@ class Fleet:
                 next_look = time.monotonic() + _LOOK_EVERY
             under_way = [
                 request for request in under_way
-                if not (look or request.future.done()) or not self._take(request, results, waiting)
+                if not (look or request.future.done()) or not self._take(request, work)
             ]
-        return results
+        return True
 
-    def _take(self, request: _Request, results: list, waiting: deque) -> bool:
+    def _next(self, server, work: _Generation) -> list[int]:
+        """What a server is to evaluate next: nothing that it has called no genome, while others can say whether that is so."""
+        for k, places in enumerate(work.waiting):
+            if len(self._servers) == 1 or not any(work.doubted.get(i) is server for i in places):
+                del work.waiting[k]
+                return places
+        return []
+
+    def _take(self, request: _Request, work: _Generation) -> bool:
         """Whether a request is over, its results taken or its genomes back in the queue."""
-        if request.future.done():
-            response = request.future.result()
-            if not response.error:
-                with self._times(MESSAGES):
-                    for i, evaluation in zip(request.genomes, response.evaluations, strict=True):
-                        results[i] = evaluation_from_message(evaluation)
-                return True
-            self._drop(request.server, response.error)
-        elif not request.server.service_is_ready():
-            self._drop(request.server, "it is gone")
-        elif time.monotonic() > request.deadline:
-            self._drop(request.server, "it does not answer")
-        elif request.server in self._servers:
+        server = request.server
+        if server not in self._servers:
+            work.waiting.appendleft(request.genomes)
+        elif request.future.done():
+            try:
+                self._accept(request, work)
+            except AnswerError as error:
+                work.waiting.appendleft(request.genomes)
+                self._reject(server, str(error), work)
+        elif (gone := not server.service_is_ready()) or time.monotonic() > request.deadline:
+            self._drop(server, "it is gone" if gone else "it does not answer")
+            self._blame(request, work)  # the oldest of its requests, which was under way
+        else:
             return False
         request.future.cancel()
-        waiting.appendleft(request.genomes)
         return True
+
+    def _accept(self, request: _Request, work: _Generation) -> None:
+        """Take the results of a request.  Raises AnswerError where nothing can rest on them."""
+        server = request.server
+        with self._times(MESSAGES):
+            try:
+                evaluations = look_at(request.future.result(), len(request.genomes))
+            except AnswerError:
+                raise
+            except Exception as error:
+                raise AnswerError(f"its answer cannot be read: {told(error)}") from None
+        if server not in self._proved:
+            self._prove(request.genomes[0], evaluations[0], work)
+            self._proved.append(server)
+        for i, evaluation in zip(request.genomes, evaluations):
+            doubter = work.doubted.get(i)
+            if evaluation.status == Status.INVALID_GENOME and doubter is None:
+                work.doubted[i] = server
+                work.waiting.append([i])
+                continue
+            if evaluation.status != Status.INVALID_GENOME and doubter is not None and doubter is not server:
+                self._reject(doubter, f"it calls a genome invalid that {server.srv_name} evaluates", work)
+            work.results[i], work.by[i] = evaluation, server
+
+    def _prove(self, place: int, evaluation: Evaluation, work: _Generation) -> None:
+        """Raises AnswerError where our own evaluation of a genome is another one."""
+        own = evaluate(work.genomes[place], work.task, work.seed)
+        if not alike(own, evaluation):
+            raise AnswerError(f"it gives a genome a fitness of {evaluation.fitness:.6g} that has {own.fitness:.6g} by our own evaluation")
+
+    def _best_is_right(self, work: _Generation, best: float) -> bool:
+        """Whether the best of a generation, if it is better than `best`, is so by our own evaluation too; else who gave it is dropped."""
+        if not work.results:
+            return True
+        place = max(range(len(work.results)), key=lambda i: work.results[i].fitness)
+        if not work.results[place].fitness > best or place not in work.by:
+            return True
+        try:
+            self._prove(place, work.results[place], work)
+        except AnswerError as error:
+            self._reject(work.by[place], str(error), work)
+            return False
+        return True
+
+    def _reject(self, server, reason: str, work: _Generation) -> None:
+        """Drop a node on which nothing can rest; what it has answered in this generation goes to the others."""
+        places = [i for i, by in work.by.items() if by is server]
+        for i in places:
+            work.results[i] = None
+            del work.by[i]
+        work.waiting.extend([i] for i in places)
+        for i in [i for i, doubter in work.doubted.items() if doubter is server]:
+            del work.doubted[i]
+        self._drop(server, reason)
+
+    def _blame(self, request: _Request, work: _Generation) -> None:
+        """After a node was lost: the genomes that it evaluated go on one by one, last of all; who ends another one counts as failed."""
+        for i in request.genomes:
+            work.ended[i] += 1
+            if work.ended[i] < _MOST_ENDED or len(request.genomes) > 1:
+                work.waiting.append([i])
+                continue
+            cause = f"{work.ended[i]} simulators ended while they evaluated it"
+            work.results[i] = invalid(cause)
+            self._node.get_logger().warning(f"a genome of {len(work.genomes[i])} elements counts as failed: {cause}")
 
     def _drop(self, server, reason: str) -> None:
         """Go on without a node, if it is not dropped already."""
@@ -140,5 +251,7 @@ class Fleet:
             return
         self._servers.remove(server)
         if not self._servers:
-            raise FleetError(f"no simulator is left, the last one was {server.srv_name}: {reason}: run again with --simulators 2 to start two")
-        self._node.get_logger().warning(f"going on without simulator {server.srv_name}: {reason}")
+            raise FleetError(
+                f"no simulator is left, the last one was {server.srv_name}: {brief(reason, 160)}: run again with --simulators 2 to start two"
+            )
+        self._node.get_logger().warning(brief(f"going on without simulator {server.srv_name}: {reason}"))

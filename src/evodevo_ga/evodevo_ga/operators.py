@@ -6,7 +6,7 @@ The header of special elements is never moved, copied or deleted; its points mut
 from __future__ import annotations
 
 import numpy as np
-from evodevo_sim.genetics.genome import HEADER, INPUT_NAMES, MORPHOGEN, TRANSCRIPTION_FACTOR, Genome
+from evodevo_sim.genetics.genome import HEADER, INPUT_NAMES, MAX_ELEMENTS, MORPHOGEN, TRANSCRIPTION_FACTOR, Genome
 
 SCENT = INPUT_NAMES.index("scent")
 _SIGN_TOO, _ANYWHERE = 0.1, 0.2
@@ -59,10 +59,12 @@ def _random_run(genome: Genome, rng: np.random.Generator, mean_length: float) ->
 
 
 def duplicate(genome: Genome, rng: np.random.Generator, mean_length: float) -> Genome:
-    """Copy a run of elements to a random place behind the header."""
+    """Copy a run of elements to a random place behind the header, if a genome may be as long as that."""
     if len(genome) == HEADER:
         return genome
     first, last = _random_run(genome, rng, mean_length)
+    if len(genome) + last - first > MAX_ELEMENTS:
+        return genome
     place = int(rng.integers(HEADER, len(genome) + 1))
     index = np.arange(len(genome))
     return genome.take(np.concatenate((index[:place], index[first:last], index[place:])))
@@ -90,7 +92,8 @@ def crossover(mother: Genome, father: Genome, rng: np.random.Generator, points: 
     columns = []
     for a, (m, f) in enumerate(zip(mother.arrays(), father.arrays())):
         pieces = [parent.arrays()[a][first:last] for parent, (first, last) in zip(parents, ends)]
-        columns.append(np.concatenate([np.where(header, m[:HEADER], f[:HEADER]), *pieces]))
+        # Rounded cuts may add an element, which a child of the longest parents has no room for.
+        columns.append(np.concatenate([np.where(header, m[:HEADER], f[:HEADER]), *pieces])[:MAX_ELEMENTS])
     return Genome(*columns)
 
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from evodevo_sim.genetics.genome import HEADER, MAX_ELEMENTS
 from evodevo_sim.parameters import Checked, parameter
 
 from evodevo_sim import ParameterError
 
 UNLIMITED = 1_000_000_000  # generations: more than any run takes, so that patience ends it
+MOST_UNITS = (MAX_ELEMENTS - HEADER) // 4  # of up to four elements each
 
 
 @dataclass(frozen=True)
@@ -32,7 +34,7 @@ class Settings(Checked):
     deletion: float = parameter(0.05, 0.0, 1.0, "", "probability per child")
     run_length: float = parameter(2.6, 1.0, 1e3, "", "mean elements in a duplicated or deleted run")
     flip: float = parameter(0.005, 0.0, 1.0, "", "probability per element of a change of sign, or of a gene's kind")
-    units: int = parameter(20, 0, 10_000, "", "regulatory units in a random genome")
+    units: int = parameter(20, 0, MOST_UNITS, "", "regulatory units in a random genome")
     extent: float = parameter(1.0, 0.0, 1e3, "", "half side of the square of a random genome's points")
     scent_extent: float = parameter(0.0, 0.0, 1e3, "", "half side of the square of the scent's points in random genomes; 0 is extent")
     scent_mutation: float = parameter(0.0, 0.0, 1.0, "", "probability per child that the scent's point moves, beyond point_mutation")

@@ -57,6 +57,13 @@ class Controller:
         self._aimed = self._blind._replace(signals=self.signals._replace(target=self._target)) if task.has_target else self._blind
         self.activation = self.brain.activation.view()
         self.activation.flags.writeable = False
+        self._born = [(array, array.copy()) for array in (brain.table, brain.past, brain.activation)]
+
+    def reset(self) -> None:
+        """Back to birth, at once however long growth took."""
+        for array, at_birth in self._born:
+            array[...] = at_birth
+        self.steps = 0
 
     def step(self, position: np.ndarray, target: tuple[float, float] | None = None) -> np.ndarray:
         """One control step.  Args: position (N, 2) m: of every cell, as the plant senses it; target: whose scent it smells, or none.

@@ -16,7 +16,7 @@ OUTPUT_NAMES = ("division", "axis", "expansion", "contraction")
 HEADER_NAMES = INPUT_NAMES + OUTPUT_NAMES
 INPUTS, OUTPUTS = len(INPUT_NAMES), len(OUTPUT_NAMES)
 HEADER = INPUTS + OUTPUTS
-MAX_ELEMENTS = 100_000
+MAX_ELEMENTS = 4_000  # up to 2,000 units; weights take 48 bytes for each pair of them, so that an evaluation takes less than 0.5 GB
 MAX_COORDINATE = 1e6
 
 

@@ -11,6 +11,7 @@ from ..genetics.genome import Genome
 from ..inputs import shown
 from ..parameters import ParameterError, Task
 from ..plant import Outcome
+from ..tasks.memory import over_limit
 from ..tasks.outcome import FAILURE, STIFF, Status
 
 _LOOK = 50  # control steps between looks at whether all rests, as in evaluations
@@ -38,17 +39,20 @@ class Animat:
     def __init__(self, genome: Genome, task: Task = Task(), seed: int = 0):
         self.genome, self.task, self.seed = genome, task, seed
         self.target: tuple[float, float] | None = None
-        self.reset()
-
-    def reset(self) -> None:
-        """Back to birth.  The target stays."""
-        status, self.brain, self.plant = self.task.kind.function("begin")(self.genome, self.task, self.seed)
-        self.status = Status(status)
+        if too_much := over_limit(genome, task):
+            raise NotViable(too_much)
+        status, self.brain, self.plant = task.kind.function("begin")(genome, task, seed)
+        self.steps, self.status = 0, Status(status)
         if self.status != Status.OK:
             raise NotViable(STIFF if self.status == Status.UNSTABLE else self.cause)
-        self.steps = 0
         self.body = self.plant.body
         self.position, self.velocity, self.activation = self.plant.position, self.plant.velocity, self.brain.activation
+
+    def reset(self) -> None:
+        """Back to birth, at once however long growth took.  The target stays."""
+        self.brain.reset()
+        self.plant.reset()
+        self.steps, self.status = 0, Status.OK
 
     @property
     def time(self) -> float:
@@ -78,7 +82,8 @@ class Stage:
         show: called in that thread with the animat when it is loaded or reset, and after every `every` steps.
         stopped: called in that thread with a one-line reason when the animat cannot go on.
 
-    The thread owns the animat: the methods ask it, and return when it has done as they ask.
+    The thread owns the animat: the methods ask it, and return when it has done as they ask.  What is refused, or not begun in
+    time, changes nothing.
     """
 
     def __init__(self, show, stopped, every: int = 1):
@@ -88,26 +93,30 @@ class Stage:
         self._animat: Animat | None = None
         self._target: tuple[float, float] | None = None
         self._interval, self._due = 0.0, 0.0
-        self._paused = self._closed = False
+        self._paused = self._closed = False  # paused: only while there is an animat
         self._thread = threading.Thread(target=self._run, name="stage", daemon=True)
         self._thread.start()
 
     def load(self, animat: Animat, real_time_factor: float) -> bool:
-        """Replace the animat; the last target stays.  Args: real_time_factor: simulated s per s; 0 is as fast as it goes.
+        """Let an animat live, instead of the one before, paused or not; the last target stays.
 
-        Returns whether another one lived until then.
+        Args: real_time_factor: see `check_pace`.  Returns whether another one lived until then.
         """
-        if not 0.0 <= real_time_factor <= 1e6:
-            raise ParameterError(f"real_time_factor is {shown(real_time_factor)}: give a number up to 1e6, or 0 for as fast as it goes")
+        check_pace(real_time_factor)
         return self._do(lambda: self._enter(animat, animat.task.control_step / real_time_factor if real_time_factor else 0.0))
 
     def pause(self, paused: bool) -> bool:
-        """Hold the animat, or let it go on.  Returns whether there is one."""
+        """Hold the animat, or let it go on.  Returns whether there is one; nothing changes where there is none."""
         return self._do(lambda: self._hold(paused))
 
     def reset(self) -> bool:
-        """Back to birth.  Returns whether there is an animat."""
-        return self._do(lambda: self._animat is not None and self._enter(self._animat, self._interval, anew=True))
+        """Back to birth; an animat that is held stays so.  Returns whether there is an animat."""
+        return self._do(self._begin_anew)
+
+    @property
+    def paused(self) -> bool:
+        """Whether an animat is held."""
+        return self._paused
 
     def aim(self, target: tuple[float, float] | None) -> None:
         """Set the target of this animat and of those to come, from the next control step on.
@@ -119,7 +128,7 @@ class Stage:
     def close(self) -> None:
         """End the thread.  Nothing is shown afterwards."""
         if not self._closed:
-            self._do(lambda: setattr(self, "_closed", True))
+            self._asked.put((lambda: setattr(self, "_closed", True), Future()))
         self._thread.join()
 
     def _do(self, action):
@@ -127,7 +136,12 @@ class Stage:
             raise RuntimeError("the stage is closed")
         future: Future = Future()
         self._asked.put((action, future))
-        return future.result(_ANSWER_WITHIN)
+        try:
+            return future.result(_ANSWER_WITHIN)
+        except TimeoutError:
+            if not future.cancel():  # under way by then
+                return future.result()
+            raise RuntimeError(f"a control step takes more than {_ANSWER_WITHIN:g} s: ask again later") from None
 
     def _run(self):
         while not self._closed:
@@ -137,9 +151,11 @@ class Stage:
             except queue.Empty:
                 self._step()
                 continue
+            if not future.set_running_or_notify_cancel():
+                continue
             try:
                 future.set_result(action())
-            except Exception as error:
+            except BaseException as error:
                 future.set_exception(error)
 
     def _step(self):
@@ -153,19 +169,36 @@ class Stage:
         except Exception as error:
             cause = f"unexpectedly: {error!r}"
         if cause:
-            self._animat = None
-            self._stopped(cause)
+            self._animat, self._paused = None, False
+            try:
+                self._stopped(cause)
+            except Exception:  # nobody is left to be told
+                pass
 
-    def _enter(self, animat, interval, anew=False):
-        if anew:
-            animat.reset()
+    def _enter(self, animat, interval):
         others = self._animat is not None
         animat.target = self._target
-        self._animat, self._interval, self._due = animat, interval, time.monotonic() + interval
-        self._show(animat)
-        return anew or others
+        self._show(animat)  # before the other one leaves: where this fails, that one lives on
+        self._animat, self._interval, self._due, self._paused = animat, interval, time.monotonic() + interval, False
+        return others
+
+    def _begin_anew(self):
+        if self._animat is None:
+            return False
+        self._animat.reset()
+        self._animat.target = self._target
+        self._due = time.monotonic() + self._interval
+        self._show(self._animat)
+        return True
 
     def _hold(self, paused):
-        self._paused = paused
-        self._due = time.monotonic() + self._interval
-        return self._animat is not None
+        if self._animat is None:
+            return False
+        self._paused, self._due = paused, time.monotonic() + self._interval
+        return True
+
+
+def check_pace(real_time_factor: float) -> None:
+    """Raises ParameterError unless it is a number of simulated s per s that a stage can keep; 0 is as fast as it goes."""
+    if not 0.0 <= real_time_factor <= 1e6:
+        raise ParameterError(f"real_time_factor is {shown(real_time_factor)}: give a number up to 1e6, or 0 for as fast as it goes")

@@ -25,7 +25,9 @@ from ..live.targets import Drawn, Random, load_points
 from ..parameters import ParameterError
 from ..recording import Recorder, RecordingError, is_recording, read_recording
 from ..recording.champion import Champion, champion_of
+from ..ros.barrier import Callbacks, brief
 from ..ros.command_line import Parser, pairs, real_number, warn, whole_number
+from ..ros.loopback import loopback_alone
 from ..ros.messages import genome_message, target_message, task_message
 from ..ros.own_simulators import OwnSimulators
 from ..ros.process import stay_on_this_host, without_ros
@@ -100,7 +102,8 @@ def main(arguments: list[str] | None = None) -> int:
         with ExitStack() as stack:
             view = _viewer(given, stack, champion)
             recorder = stack.enter_context(Recorder(given.out)) if given.out else None
-            rclpy.init(args=[parser.prog, *arguments], signal_handler_options=SignalHandlerOptions.NO)
+            with loopback_alone():
+                rclpy.init(args=[parser.prog, *arguments], signal_handler_options=SignalHandlerOptions.NO)
             stack.callback(rclpy.try_shutdown)
             return Chase(given, champion, targets, recorder, view, stop).run(stack)
     except (GenomeError, OutputError, ParameterError, RecordingError) as error:
@@ -163,8 +166,9 @@ class Chase:
         self._node = node
         loader = node.create_client(Load, f"{namespace}/load")
         self._wait(executor, loader.service_is_ready, own, f"no simulator answers at {namespace}: start one, or leave --simulator out")
-        node.create_subscription(Body, f"{namespace}/body", self._embody, LATCHED)
-        node.create_subscription(CellStates, f"{namespace}/cell_states", self._follow, qos_profile_sensor_data)
+        callbacks = Callbacks(node, through=(OSError, RecordingError, OutputError))
+        callbacks.subscription(Body, f"{namespace}/body", self._embody, LATCHED)
+        callbacks.subscription(CellStates, f"{namespace}/cell_states", self._follow, qos_profile_sensor_data)
         self._wait(
             executor, lambda: self._publisher.get_subscription_count() and node.count_publishers(f"{namespace}/cell_states"), own,
             f"{namespace} is no simulator",
@@ -177,7 +181,7 @@ class Chase:
             answer = loader.call_async(request)
             self._wait(executor, answer.done, own, "the simulator does not answer")
             if answer.done() and not answer.result().success:
-                raise ParameterError(f"{self.given.source}: {answer.result().message}")
+                raise ParameterError(brief(f"{self.given.source}: {answer.result().message}"))
             heard, last = -1, time.monotonic()
             while not (self.ended or self.stop.is_set()):
                 executor.spin_once(timeout_sec=0.1)
@@ -206,8 +210,10 @@ class Chase:
         """One control step's cells: captured? the next target?"""
         if self.ended or not len(message.position_x) or message.step <= self._step:
             return
-        self.states, self._step = self.states + 1, message.step
         position = np.column_stack((message.position_x, message.position_y))
+        if not np.isfinite(position).all():
+            raise ValueError("a cell's position is not finite")
+        self.states, self._step = self.states + 1, message.step
         centre, now = position.mean(axis=0), message.step * self.champion.task.control_step
         if self.target is not None:
             distance = float(np.hypot(*(centre - self.target)))

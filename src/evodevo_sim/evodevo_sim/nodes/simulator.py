@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import math
 import sys
-import time
 
 from geometry_msgs.msg import PoseStamped
 from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
-from rclpy.time import Time
 from std_srvs.srv import SetBool, Trigger
 
 from evodevo_msgs.msg import Body, CellStates
@@ -18,8 +16,9 @@ from evodevo_msgs.srv import Evaluate, Load
 
 from ..genetics.genome import Genome, GenomeError
 from ..inputs import shown
-from ..live.animat import Animat, NotViable, Stage
+from ..live.animat import Animat, NotViable, Stage, check_pace
 from ..parameters import ParameterError, default_task
+from ..ros.barrier import Callbacks, Desk, brief, told
 from ..ros.command_line import Parser
 from ..ros.messages import (
     body_message,
@@ -35,11 +34,11 @@ from ..tasks.outcome import Evaluation
 
 LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
-_WARN_EVERY = 1.0  # s between warnings of one kind
 
 
 class Simulator(Node):
-    """The node.  Services are answered one after the other; the live animat goes on meanwhile in a thread of its own.
+    """The node.  Evaluations are answered one after the other in one thread, births of live animats in another, and the live
+    animat goes on meanwhile in a thread of its own; so what controls it waits for none of them.
 
     Args: stop: an Event; set, a batch ends early.
     """
@@ -48,26 +47,31 @@ class Simulator(Node):
         super().__init__("simulator")
         self._stop = stop
         self._frame = self.declare_parameter("frame_id", "world", _fixed("frame of positions and targets")).value
+        if not self._frame:
+            raise ParameterError("frame_id is empty: give the name of a frame, e.g. world")
         self._most = self.declare_parameter("max_batch", 1000, _fixed("genomes in one request, at the most", 1, 10_000)).value
         every = self.declare_parameter("publish_every", 1, _fixed("control steps between cell states", 1, 100_000)).value
         first = self.declare_parameter("task", names()[0], _fixed("task whose first request does not wait")).value
+        self._oldest = _seconds(self, "target_age", 1.0, "s, of the oldest target that counts")
         prepare(default_task(first), self.get_logger().info)
-        self._oldest = self.declare_parameter("target_age", 1.0, _fixed("s, of the oldest target that counts")).value
         self._newest = 0  # ns, stamp of the last target
-        self._warned: dict[str, float] = {}
+        self._callbacks = Callbacks(self)
+        self._evaluations, self._births = Desk("evaluations"), Desk("births")
 
         self._body = self.create_publisher(Body, "body", LATCHED)
         self._states = self.create_publisher(CellStates, "cell_states", qos_profile_sensor_data)
         self._shown = None
         self._stage = Stage(self._show, self._report, every)
-        self.create_subscription(PoseStamped, "target_pose", self._aim, NEWEST)
-        self.create_service(Evaluate, "evaluate", self._evaluate)
-        self.create_service(Load, "load", self._load)
-        self.create_service(SetBool, "pause", self._pause)
-        self.create_service(Trigger, "reset", self._reset)
+        self._callbacks.subscription(PoseStamped, "target_pose", self._aim, NEWEST)
+        self._callbacks.service(Evaluate, "evaluate", self._evaluate, self._evaluations)
+        self._callbacks.service(Load, "load", self._load, self._births)
+        self._callbacks.service(SetBool, "pause", self._pause)
+        self._callbacks.service(Trigger, "reset", self._reset)
         self.get_logger().info("ready")
 
     def close(self):
+        self._evaluations.close()
+        self._births.close()
         self._stage.close()
         self.destroy_node()
 
@@ -80,26 +84,39 @@ class Simulator(Node):
         try:
             task = task_of_request(request.task)
         except ParameterError as error:
-            response.error = str(error)
+            response.error = brief(error)
             return response
         # Messages before and after all evaluations: one by one between them, where caches hold a body, they cost a generation 1.7 % more.
         genomes, evaluations = [_genome_or_fault(message) for message in request.genomes], []
         for genome in genomes:
             if self._stop.is_set():
-                response.error = "the simulator is ending: ask another one"
+                response.error = _ENDING
                 return response
-            evaluations.append(genome if isinstance(genome, Evaluation) else evaluate(genome, task, request.seed))
+            evaluations.append(genome if isinstance(genome, Evaluation) else self._evaluation(genome, task, request.seed))
         response.evaluations = [evaluation_message(evaluation) for evaluation in evaluations]
         return response
+
+    def _evaluation(self, genome, task, seed) -> Evaluation:
+        """Of one genome: what goes wrong with it harms no other of its batch."""
+        try:
+            return evaluate(genome, task, seed)
+        except Exception as error:
+            cause = told(error)
+        self._callbacks.warn("evaluation", f"the evaluation of a genome of {len(genome)} elements failed: {cause}", error=True)
+        return invalid(brief(f"its evaluation failed: {cause}"))
 
     # --- the live animat -------------------------------------------------------------------------------------------------
 
     def _load(self, request, response):
+        if self._stop.is_set():
+            response.message = _ENDING
+            return response
         try:
+            check_pace(request.real_time_factor)
             animat = Animat(genome_from_message(request.genome), task_of_request(request.task), request.seed)
             replaced = self._stage.load(animat, request.real_time_factor)
         except (GenomeError, ParameterError, NotViable) as error:
-            response.message = str(error)
+            response.message = brief(error)
             return response
         instead = ", instead of the one before" if replaced else ""
         response.success, response.message = True, f"an animat of {len(animat.position)} cells lives{instead}"
@@ -112,16 +129,21 @@ class Simulator(Node):
 
     def _reset(self, _, response):
         response.success = self._stage.reset()
-        response.message = "back to birth" if response.success else _NOBODY
+        held = ", paused: let it go on by pause with data false" if self._stage.paused else ""
+        response.message = f"back to birth{held}" if response.success else _NOBODY
         return response
 
     def _aim(self, message):
-        point, stamp = message.pose.position, Time.from_msg(message.header.stamp).nanoseconds
-        age = (self.get_clock().now().nanoseconds - stamp) * 1e-9 if stamp else 0.0  # a stamp of 0 is none
+        point, (stamp, age) = message.pose.position, self._stamp_and_age(message.header.stamp)
         if message.header.frame_id != self._frame:
-            self._warn("frame", f"target in frame {shown(message.header.frame_id)} ignored: give it in {self._frame!r}")
+            given = shown(message.header.frame_id)
+            self._warn("frame", f"target in frame {given} ignored: give it in {self._frame!r}")
         elif not (math.isfinite(point.x) and math.isfinite(point.y)):
             self._warn("number", f"target at ({point.x}, {point.y}) ignored: give finite metres")
+        elif stamp < 0:
+            self._warn("negative", f"target with a stamp of {stamp * 1e-9:.9g} s ignored: stamp it with the time at which it is sent, or with 0")
+        elif age is None:
+            self._warn("clock", "target with a stamp ignored: use_sim_time is set, and no /clock has come yet: publish one, or stamp targets with 0")
         elif age > self._oldest:
             self._warn("past", f"target of {age:.3g} s ago ignored: stamp it with the time at which it is sent, or with 0")
         elif age < -self._oldest:
@@ -132,27 +154,39 @@ class Simulator(Node):
             self._newest = max(self._newest, stamp)
             self._stage.aim((point.x, point.y))
 
+    def _stamp_and_age(self, stamp) -> tuple[int, float | None]:
+        """(ns, s ago) of a target; a stamp of 0 is none, and of any age.  The age is None where simulated time has not begun."""
+        nanoseconds = stamp.sec * 10**9 + stamp.nanosec  # of a negative stamp, which the type allows, rclpy makes no time
+        if not nanoseconds:
+            return 0, 0.0
+        now = self.get_clock().now().nanoseconds
+        if not now:
+            return nanoseconds, None
+        if self._newest > now + self._oldest * 1e9:  # simulated time began anew
+            self._newest = 0
+        return nanoseconds, (now - nanoseconds) * 1e-9
+
     def _warn(self, kind, text):
-        now = time.monotonic()
-        if now >= self._warned.get(kind, -math.inf) + _WARN_EVERY:
-            self._warned[kind] = now
-            self.get_logger().warning(text)
+        self._callbacks.warn(kind, text)
 
     def _show(self, animat):
         """In the stage's thread: publish what somebody listens to."""
         if animat is not self._shown:
-            self._shown = animat
+            self._shown = None
             self._body.publish(body_message(animat.body, self._frame, animat.time))
+            self._shown = animat
         if self._states.get_subscription_count():
             self._states.publish(
                 cell_states_message(animat.position, animat.velocity, animat.activation, animat.steps, animat.time, self._frame)
             )
 
     def _report(self, cause):
-        self.get_logger().error(f"the live animat ended: {cause}: load another one")
+        self._shown = None
+        self.get_logger().error(brief(f"the live animat ended: {cause}: load another one"))
 
 
 _NOBODY = "no animat lives: load one first"
+_ENDING = "the simulator is ending: ask another one"
 
 
 def _genome_or_fault(message) -> Genome | Evaluation:
@@ -160,13 +194,22 @@ def _genome_or_fault(message) -> Genome | Evaluation:
     try:
         return genome_from_message(message)
     except GenomeError as error:
-        return invalid(str(error))
+        return invalid(brief(error))
 
 
 def _fixed(meaning: str, low: int | None = None, high: int | None = None) -> ParameterDescriptor:
     """The descriptor of a parameter that is set at the start only."""
     limits = [] if low is None else [IntegerRange(from_value=low, to_value=high, step=1)]
     return ParameterDescriptor(description=meaning, read_only=True, integer_range=limits)
+
+
+def _seconds(node, name: str, default: float, meaning: str) -> float:
+    """A parameter in seconds, whole numbers too, set at the start only.  Raises ParameterError unless it is 0 to 1e9."""
+    descriptor = ParameterDescriptor(description=meaning, read_only=True, dynamic_typing=True)
+    value = node.declare_parameter(name, default, descriptor).value
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 <= value <= 1e9:  # a range of ROS's lets NaN pass
+        raise ParameterError(f"{name} is {brief(repr(value), 60)}: give seconds from 0 to 1e9")
+    return float(value)
 
 
 _EPILOG = """\
@@ -176,8 +219,8 @@ in a namespace of its own, so that several can stand side by side:
 names in the namespace:
   services  evaluate  evodevo_msgs/srv/Evaluate   a batch of genomes for a task and a seed
             load      evodevo_msgs/srv/Load       grow a genome and let it live at a real-time factor
-            pause     std_srvs/srv/SetBool        hold the animat, or let it go on
-            reset     std_srvs/srv/Trigger        back to birth
+            pause     std_srvs/srv/SetBool        hold the animat, or let it go on; a loaded one is never held
+            reset     std_srvs/srv/Trigger        back to birth, held if it was
   topics    body, cell_states                     of the live animat; body is latched
             target_pose (subscribed)              geometry_msgs/PoseStamped; the last good one holds
 

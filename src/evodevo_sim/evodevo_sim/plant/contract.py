@@ -30,6 +30,10 @@ class Plant(Protocol):
         """Take the activation (N,) of e - c, each in [-1, 1], for one control step of so many seconds."""
         ...
 
+    def reset(self) -> None:
+        """Go back to where it started, at rest."""
+        ...
+
     def rests(self) -> bool:
         """Whether nothing moves, nor will while activation stays as it is.  A plant that cannot tell says False."""
         ...

@@ -13,7 +13,7 @@ from ..physics.integrators import System, Work, euler
 from ..physics.rates import MOST_SUBSTEPS
 from ..physics.stability import EULER, bounds, longest_step
 from .contract import Outcome
-from .simulated import BodyState, actuate, read_only
+from .simulated import BodyState, actuate, read_only, remembered, restore
 
 ACCURATE_EULER = 1.6  # h * (bound of the highest frequency)
 LEAST_STEPS = 4  # in a control step, for contact
@@ -101,9 +101,13 @@ class WalkingBody:
         self.grounded, self.state, self._signals = grounded, grounded.state, signals
         self.body = self.state.body
         self.position, self.velocity = read_only(self.state.position.T), read_only(self.state.velocity.T)
+        self._start = remembered(self.state)
 
     def move(self, activation: np.ndarray, seconds: float) -> Outcome:
         return Outcome(walk_step(self.grounded, np.asarray(activation), self._signals, seconds))
+
+    def reset(self) -> None:
+        restore(self._start)
 
     def rests(self) -> bool:
         return bool(lies_still(self.grounded))

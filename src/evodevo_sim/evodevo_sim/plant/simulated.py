@@ -97,16 +97,31 @@ def read_only(array: np.ndarray) -> np.ndarray:
     return view
 
 
+def remembered(state: BodyState) -> list[tuple[np.ndarray, np.ndarray]]:
+    """What control steps change of a body, each with a copy of what it is now."""
+    return [(array, array.copy()) for array in (state.rest, state.position, state.velocity)]
+
+
+def restore(arrays: list[tuple[np.ndarray, np.ndarray]]) -> None:
+    """Set arrays to their copies."""
+    for array, copy in arrays:
+        array[...] = copy
+
+
 class SwimmingBody:
     """A simulated body in a fluid: a `Plant`.  Args: state: changed in place; signals: noise of actuation goes on with the brain's."""
 
     def __init__(self, state: BodyState, signals: Signals):
         self.state, self._signals = state, signals
         self.body = state.body
-        self.position, self.velocity = read_only(state.position.T), read_only(state.velocity.T)
+        self.position, self.velocity = read_only(self.state.position.T), read_only(self.state.velocity.T)
+        self._start = remembered(self.state)
 
     def move(self, activation: np.ndarray, seconds: float) -> Outcome:
         return Outcome(swim_step(self.state, np.asarray(activation), self._signals, seconds))
+
+    def reset(self) -> None:
+        restore(self._start)
 
     def rests(self) -> bool:
         return bool(rests(self.state))

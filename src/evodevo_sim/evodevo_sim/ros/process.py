@@ -7,7 +7,6 @@ import os
 import signal
 import sys
 import threading
-from pathlib import Path
 
 import rclpy
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
@@ -18,16 +17,15 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.utilities import remove_ros_args
 
 from ..parameters import ParameterError
+from .barrier import spin
+from .loopback import loopback_alone, prefer_loopback
 
 END_WITHIN = 2.0  # s for good order after SIGINT or SIGTERM
-DISCOVERY = "ROS_AUTOMATIC_DISCOVERY_RANGE"
-_PROFILES = "FASTRTPS_DEFAULT_PROFILES_FILE"
 
 
 def stay_on_this_host() -> None:
     """No packet leaves the host, unless the user says so, and nodes find each other soon.  To be called before `rclpy.init`."""
-    if os.environ.setdefault(DISCOVERY, "LOCALHOST") == "LOCALHOST":
-        os.environ.setdefault(_PROFILES, str(Path(__file__).with_name("discovery.xml")))
+    prefer_loopback()
 
 
 def without_ros(parser: argparse.ArgumentParser, arguments: list[str]) -> list[str]:
@@ -76,12 +74,12 @@ _USER_ERRORS = (
 def _live(make_node, arguments, stop, failure):
     node = None
     try:
-        rclpy.init(args=[sys.argv[0], *arguments], signal_handler_options=SignalHandlerOptions.NO)
+        with loopback_alone():
+            rclpy.init(args=[sys.argv[0], *arguments], signal_handler_options=SignalHandlerOptions.NO)
         node = make_node(stop)
         executor = EventsExecutor()
         executor.add_node(node)
-        while not stop.is_set():
-            executor.spin_once(timeout_sec=0.1)
+        spin(executor, node, stop)
     except ExternalShutdownException:
         pass
     except BaseException as error:

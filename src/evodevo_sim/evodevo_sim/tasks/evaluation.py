@@ -11,6 +11,7 @@ from ..genetics.genome import Genome, random_genome
 from ..kernels.jit import compiling, remove_old_caches
 from ..parameters import Task
 from .life import develop
+from .memory import over_limit
 from .outcome import Evaluation, Metrics, Status, failure
 from .swim.fitness import kernel_arguments
 
@@ -49,7 +50,8 @@ def evaluate(genome: Genome, task: Task = Task(), seed: int = 0) -> Evaluation:
         task: what for.
         seed: of whatever the task draws at random: noise, where there is any, and of walking the orientations at birth.
     """
-    return task.kind.function("run")(genome, task, seed, 1, *_NOT_KEPT)
+    too_much = over_limit(genome, task)
+    return invalid(too_much) if too_much else task.kind.function("run")(genome, task, seed, 1, *_NOT_KEPT)
 
 
 def prepare(task: Task = Task(), say=print) -> None:

@@ -1,0 +1,135 @@
+"""One barrier for every callback of a node: what goes wrong in it is that request's own error and a line in the log, and the node lives on.
+
+Services answer in the executor's thread, or at a `Desk`: a thread of its own in which long requests wait for one another, while
+others are answered.
+"""
+
+from __future__ import annotations
+
+import math
+import queue
+import threading
+import time
+
+from rclpy.executors import ExternalShutdownException
+
+MOST_TEXT = 300  # characters of what is said in an answer or in a line of the log
+_WARN_EVERY = 1.0  # s between lines of one kind
+
+
+def brief(text: str, most: int = MOST_TEXT) -> str:
+    """A text as one line of at most `most` characters."""
+    line = " ".join(str(text)[: 4 * most].split())
+    return line if len(line) <= most else line[: most - 3] + "..."
+
+
+def told(error: BaseException) -> str:
+    """An exception in one line: its type, which says most of what nobody expected, and its message."""
+    return brief(f"{type(error).__name__}: {error}" if str(error) else type(error).__name__)
+
+
+class Desk:
+    """A thread that does what it is given, one after the other."""
+
+    def __init__(self, name: str):
+        self._waiting: queue.SimpleQueue = queue.SimpleQueue()
+        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
+        self._thread.start()
+
+    def put(self, work) -> None:
+        """Do `work()` when its turn comes; it must not raise."""
+        self._waiting.put(work)
+
+    def close(self) -> None:
+        """End the thread, when all that waits is done."""
+        self._waiting.put(None)
+        self._thread.join()
+
+    def _run(self):
+        while (work := self._waiting.get()) is not None:
+            work()
+            del work  # a large request is not kept until the next one
+
+
+class _Request:
+    """What waits at a desk, in the place of a response."""
+
+    def __init__(self, request):
+        self.request = request
+
+
+class Callbacks:
+    """Makes the subscriptions and services of a node behind the barrier.
+
+    Args: node; through: exceptions that are meant to end the node.
+    """
+
+    def __init__(self, node, through: tuple[type[BaseException], ...] = ()):
+        self._node, self._through = node, through
+        self._warned: dict[str, float] = {}
+
+    def subscription(self, message_type, topic: str, callback, quality):
+        def guarded(message):
+            try:
+                callback(message)
+            except self._through:
+                raise
+            except Exception as error:
+                self.warn(f"topic {topic}", f"a message on {topic} ignored: {told(error)}")
+
+        return self._node.create_subscription(message_type, topic, guarded, quality)
+
+    def service(self, service_type, name: str, answer, desk: Desk | None = None):
+        """A service.  Args: answer(request, response) -> response; desk: where it is answered, if not in the executor's thread."""
+
+        def guarded(request):
+            response = service_type.Response()
+            try:
+                return answer(request, response)
+            except self._through:
+                raise
+            except Exception as error:
+                cause = told(error)
+            self.warn(f"service {name}", f"a request to {name} failed: {cause}", error=True)
+            return failed(service_type.Response(), cause)
+
+        def send(response, header):
+            try:
+                sends(response, header)
+            except Exception as error:
+                self.warn(f"answer {name}", f"an answer of {name} was not sent: {told(error)}")
+
+        def later(waiting, header):
+            desk.put(lambda: send(guarded(waiting.request), header))
+
+        # Executors hand what the callback returns to `send_response`.
+        service = self._node.create_service(service_type, name, lambda request, _: _Request(request) if desk else guarded(request))
+        sends = service.send_response
+        service.send_response = later if desk else send
+        return service
+
+    def warn(self, kind: str, text: str, error: bool = False) -> None:
+        """Log a line, at most one of a kind in a second."""
+        now = time.monotonic()
+        if now >= self._warned.get(kind, -math.inf) + _WARN_EVERY:
+            self._warned[kind] = now
+            logger = self._node.get_logger()
+            logger.error(brief(text)) if error else logger.warning(brief(text))
+
+
+def failed(response, cause: str):
+    """A response that says what went wrong, in the field that its type has for that."""
+    setattr(response, "error" if hasattr(response, "error") else "message", cause)
+    return response
+
+
+def spin(executor, node, stop) -> None:
+    """Spin until `stop` is set.  What a callback of ROS's own raises, e.g. that of a clock, is a line in the log."""
+    lines = Callbacks(node)
+    while not stop.is_set():
+        try:
+            executor.spin_once(timeout_sec=0.1)
+        except ExternalShutdownException:
+            return
+        except Exception as error:
+            lines.warn("callback", f"a message was ignored: {told(error)}", error=True)
