@@ -23,13 +23,13 @@ setup(
     license="MIT",
     entry_points={
         "console_scripts": [
-            "simulator = evodevo_sim.nodes.simulator:main",
-            "audit = evodevo_sim.audit_command:main",
-            "simulate = evodevo_sim.simulate:main",
-            "gait = evodevo_sim.gait.cli:main",
-            "replay = evodevo_sim.replay.cli:main",
-            "chase = evodevo_sim.nodes.chase:main",
-            "turning = evodevo_sim.turning_command:main",
+            "simulator = evodevo_sim.commands:simulator",
+            "audit = evodevo_sim.commands:audit",
+            "simulate = evodevo_sim.commands:simulate",
+            "gait = evodevo_sim.commands:gait",
+            "replay = evodevo_sim.commands:replay",
+            "chase = evodevo_sim.commands:chase",
+            "turning = evodevo_sim.commands:turning",
         ],
     },
 )

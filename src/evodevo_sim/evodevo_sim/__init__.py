@@ -2,15 +2,18 @@
 
     from evodevo_sim import evaluate, load_genome
     evaluation = evaluate(load_genome("champion.yaml"))
+
+All of it is imported when the first name is asked for.
 """
 
-from .body_file import BodyError, OwnBody, load_body, make_own_body
-from .evaluation import Performance, evaluate, perform
-from .genome import Genome, GenomeError, random_genome
-from .genome_file import load_genome, parse_genome, save_genome
-from .motion import Motion, simulate_body
-from .outcome import Evaluation, Metrics, Status
-from .parameters import Development, Material, ParameterError, Scene, Task
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from .lazy import lazily
+
+if TYPE_CHECKING:
+    from .library import *  # noqa: F403
 
 __version__ = "0.1.0"
 
@@ -19,3 +22,12 @@ __all__ = [
     "ParameterError", "Performance", "Scene", "Status", "Task", "evaluate", "load_body", "load_genome", "make_own_body",
     "parse_genome", "perform", "random_genome", "save_genome", "simulate_body",
 ]
+
+
+def _library():
+    from . import library
+
+    return library
+
+
+__getattr__, __dir__ = lazily(globals(), _library)

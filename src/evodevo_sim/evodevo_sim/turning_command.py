@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from .champion import champion_of
 from .command_line import Parser, pairs, say_if_compiling
-from .genome import GenomeError
-from .nodes.common import without_ros
 from .parameters import ParameterError
-from .recording import RecordingError
 from .replay.files import OutputError, check, whole
-from .turning import Turning, turning
+from .ros_environment import need_no_graph, without_ros
+
+if TYPE_CHECKING:
+    from .turning import Turning
 
 _EPILOG = """\
 examples:
@@ -32,7 +32,13 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("sources", nargs="+", metavar="GENOME|BAG", help="genome files, or recordings of runs")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="for genomes: a number of the task")
     parser.add_argument("--out", type=Path, metavar="FILE.png", help="save a picture")
-    given = parser.parse_args(without_ros(parser, sys.argv[1:] if arguments is None else arguments))
+    given = parser.parse_args(without_ros(sys.argv[1:] if arguments is None else arguments))
+    need_no_graph()
+    from .champion import champion_of
+    from .genome import GenomeError
+    from .recording import RecordingError
+    from .turning import turning
+
     try:
         if given.out:
             check(given.out, ".png")
@@ -66,4 +72,6 @@ def line(name: str, found: Turning) -> str:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    from .commands import turning as entry
+
+    sys.exit(entry())

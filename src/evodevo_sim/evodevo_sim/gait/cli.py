@@ -4,24 +4,15 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-
-from rich.console import Console
+from typing import TYPE_CHECKING
 
 from ..command_line import Parser, pairs, say_if_compiling
-from ..evaluation import perform
-from ..genome import GenomeError
-from ..genome_file import load_genome
-from ..nodes.common import without_ros
 from ..parameters import ParameterError, Task, with_settings
-from ..recording import RecordingError, read_recording
 from ..replay import files
-from ..replay.life import life_of
-from ..replay.summary import name_of
-from .analysis import analyse
-from .recorded import track_of_recording
-from .sources import track_of_performance
-from .table import gait_table, write_cells
-from .track import GaitError, Track
+from ..ros_environment import need_no_graph, without_ros
+
+if TYPE_CHECKING:
+    from .track import Track
 
 _EPILOG = """\
 examples:
@@ -43,7 +34,17 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--walk", action="store_true", help="for a recording: it walks, on flat ground at y = 0")
     parser.add_argument("--out", type=Path, metavar="FILE.png", help="save a picture")
     parser.add_argument("--csv", type=Path, metavar="FILE.csv", help="save place, amplitude and phase of every cell")
-    given = parser.parse_args(without_ros(parser, sys.argv[1:] if arguments is None else arguments))
+    given = parser.parse_args(without_ros(sys.argv[1:] if arguments is None else arguments))
+    need_no_graph()
+    from rich.console import Console
+
+    from ..genome import GenomeError
+    from ..recording import RecordingError
+    from ..replay.summary import name_of
+    from .analysis import analyse
+    from .table import gait_table, write_cells
+    from .track import GaitError
+
     try:
         for path, ending in ((given.out, ".png"), (given.csv, ".csv")):
             if path:
@@ -66,6 +67,13 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _track(given) -> Track:
+    from ..evaluation import perform
+    from ..genome_file import load_genome
+    from ..recording import read_recording
+    from ..replay.life import life_of
+    from .recorded import track_of_recording
+    from .sources import track_of_performance
+
     path = Path(given.source)
     if not path.is_dir() and path.suffix != ".mcap":
         if given.walk:
@@ -82,4 +90,6 @@ def _track(given) -> Track:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    from ..commands import gait as entry
+
+    sys.exit(entry())

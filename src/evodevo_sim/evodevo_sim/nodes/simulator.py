@@ -15,7 +15,6 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profi
 from rclpy.time import Time
 from std_srvs.srv import SetBool, Trigger
 
-from ..command_line import Parser
 from ..evaluation import evaluate, invalid, prepare
 from ..genome import Genome, GenomeError
 from ..live import Animat, NotViable, Stage
@@ -24,7 +23,6 @@ from ..messages import (
 )
 from ..outcome import Evaluation
 from ..parameters import TASKS, ParameterError, default_task
-from .common import run
 
 LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
@@ -162,32 +160,7 @@ def _fixed(meaning: str, low: int | None = None, high: int | None = None) -> Par
     return ParameterDescriptor(description=meaning, read_only=True, integer_range=limits)
 
 
-_EPILOG = """\
-in a namespace of its own, so that several can stand side by side:
-  ros2 run evodevo_sim simulator --ros-args -r __ns:=/sim_0
-
-names in the namespace:
-  services  evaluate  evodevo_msgs/srv/Evaluate   a batch of genomes for a task and a seed
-            load      evodevo_msgs/srv/Load       grow a genome and let it live at a real-time factor
-            pause     std_srvs/srv/SetBool        hold the animat, or let it go on
-            reset     std_srvs/srv/Trigger        back to birth
-  topics    body, cell_states                     of the live animat; body is latched
-            target_pose (subscribed)              geometry_msgs/PoseStamped; the last good one holds
-
-parameters, e.g. -p publish_every:=4
-  frame_id       world   frame of positions and targets
-  max_batch      1000    genomes in one request, at the most
-  publish_every  1       control steps between cell states
-  task           swim    task whose first request does not wait for kernels
-  target_age     1.0     s, of the oldest target that counts; one with a stamp of 0 always does
-
-Nothing leaves this host unless ROS_AUTOMATIC_DISCOVERY_RANGE says so.
-"""
-
-
-def main(arguments: list[str] | None = None) -> int:
-    return run(Simulator, Parser("simulator", "Simulate animats: batches for evolution, and one live.", _EPILOG), arguments)
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    from ..commands import simulator as entry
+
+    sys.exit(entry())
