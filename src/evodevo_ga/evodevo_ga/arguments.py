@@ -42,9 +42,9 @@ When there are none, or with --simulators N, evolve starts its own, one per core
 The run's directory holds a rosbag2 recording in MCAP and champion.yaml. See it by
   ros2 run evodevo_sim replay DIR
 
-Exit code: 0; 2 for bad input, or where no simulator is left; 128 + the number of a signal that ended it (130 after Ctrl-C). The first signal,
-and a terminal that closes, end the run in good order: its best animat is audited and recorded; a second Ctrl-C ends at once, and
-keeps what was recorded. A closed output, as of `evolve | head`, ends nothing.
+Exit code: 0; 2 for bad input, or where no simulator is left; 130 where Ctrl-C, SIGTERM or a terminal that closed ended it early. That ends in
+good order: the best animat is audited and recorded. A second Ctrl-C ends at once, and keeps what was recorded. A closed output, as of
+`evolve | head`, ends nothing.
 """
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from evodevo_sim.process import command
 
 
-@command
+@command(code_of=lambda number: 130)  # a run that any signal ended early is the same: what was done is kept
 def evolve():
     from .evolve_command import main
 

@@ -203,7 +203,7 @@ class _Run:
     def _finish(self) -> int:
         if not self.evolution.population:
             print(f"Stopped before the first generation: {self.options.out} holds the settings alone.")
-            return exit_code(otherwise=130)
+            return 130
         champion = self.champion
         with self.times(AUDITS):
             self._finish_audits()

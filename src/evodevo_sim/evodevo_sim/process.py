@@ -6,7 +6,8 @@
         return main
 
 `gait()` hears signals first, then imports and runs `main` in a second thread.  The first thread does nothing but wait: Python
-hears a signal between two of its own instructions, and the compiler of kernels takes seconds for one.
+hears a signal between two of its own instructions, and the compiler of kernels takes seconds for one.  It waits for a pipe, into
+which signals write, since one that came just before it waited for a lock would not wake it.
 
 SIGINT, SIGTERM and SIGHUP end a command at once with exit code 128 + their number, after what `if_ended` was given.  Within `heeded`
 the first of them only asks, and a second one ends, but for SIGHUP, of which a closed terminal may send several.  A reader of the output who leaves, or a terminal that is closed, ends nothing:
@@ -82,18 +83,28 @@ def command(load: Callable[[], Callable[[list[str]], int]] | None = None, *, cod
     def entry() -> int | str:
         global _code_of
         _code_of = code_of or _code_of
-        _hear()
-        _open_streams()
-        return _finish(load.__name__, _in_a_thread(load))
+        _open_descriptors()
+        reader, writer = _hear()
+        _wrap_streams()
+        came = _in_a_thread(load, reader, writer)
+        for number in (signal.SIGINT, signal.SIGHUP):  # the work is done; while Python shuts down they would count as crashes
+            signal.signal(number, signal.SIG_IGN)
+        return _finish(load.__name__, came)
 
     return entry
 
 
-def _hear() -> None:
-    """Take the signals, also where a shell in the background ignores Ctrl-C for its children; `nohup` is respected."""
+def _hear() -> tuple[int, int]:
+    """Take the signals, also where a shell in the background ignores Ctrl-C for its children; `nohup` is respected.
+
+    Returns: reader and writer of a pipe into which each signal writes."""
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+    signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
     for number in _SIGNALS:
         if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:
             signal.signal(number, _take)
+    return reader, writer
 
 
 def _take(number: int, _frame) -> None:
@@ -105,7 +116,7 @@ def _take(number: int, _frame) -> None:
         end_now(_code_of(number))
 
 
-def _in_a_thread(load) -> int | str | BaseException:
+def _in_a_thread(load, reader: int, writer: int) -> int | str | BaseException:
     """What `main` returned or raised; of SystemExit its code."""
     came: list = []
 
@@ -120,11 +131,11 @@ def _in_a_thread(load) -> int | str | BaseException:
             came.append(0 if error.code is None else error.code)
         except BaseException as error:
             came.append(error)
-        done.set()
+        os.write(writer, b"\0")
 
-    done = threading.Event()
     threading.Thread(target=work, name="command", daemon=True).start()
-    done.wait()
+    while not came:
+        os.read(reader, 1)
     return came[0]
 
 
@@ -177,13 +188,17 @@ class _Stream(io.TextIOWrapper):
         return self.buffer.raw.failure
 
 
-def _open_streams() -> None:
-    """Open the standard streams that are closed, so that no other file gets their numbers, and let the reader of output leave."""
+def _open_descriptors() -> None:
+    """Open the standard streams that are closed, so that no other file gets their numbers."""
     for number in range(3):
         try:
             os.fstat(number)
         except OSError:
             os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)  # it gets the lowest number that is free, which is this one
+
+
+def _wrap_streams() -> None:
+    """Let the readers of standard output and error leave."""
     sys.stdin = sys.stdin or open(0, closefd=False)
     for name, number in (("stdout", 1), ("stderr", 2)):
         before = getattr(sys, name)

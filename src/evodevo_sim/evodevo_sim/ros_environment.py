@@ -73,8 +73,10 @@ def started(name: str, arguments: list[str]):
     import rclpy
     from rclpy.impl.implementation_singleton import rclpy_implementation as rcl
     from rclpy.signals import SignalHandlerOptions
+    from rclpy.utilities import remove_ros_args
 
     try:
+        remove_ros_args([name, *arguments])  # says what is malformed in one line, where `init` prints another one
         rclpy.init(args=[name, *arguments], signal_handler_options=SignalHandlerOptions.NO)
     except (rcl.RCLError, rcl.RCLInvalidROSArgsError, rcl.UnknownROSArgsError) as error:
         raise EnvironmentFault(" ".join(str(error).partition(", at ")[0].split())[:250] + " (see --help)") from None
