@@ -36,6 +36,13 @@ def say_if_compiling(kernel_name: str) -> None:
         print("Compiling the simulation kernels, once: about a minute.", flush=True)
 
 
+def without_remarks() -> None:
+    """To be called before matplotlib is imported, which says on stderr where it keeps its fonts when there is no home."""
+    import logging
+
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
+
+
 def see_it(recording: str | os.PathLike) -> str:
     """The line that says how a recording is seen, to be typed as it stands."""
     return f"See it:   ros2 run evodevo_sim replay {shlex.quote(str(recording))}"

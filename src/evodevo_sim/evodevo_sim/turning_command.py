@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .command_line import Parser, pairs, say_if_compiling
+from .command_line import Parser, pairs, say_if_compiling, without_remarks
 from .parameters import ParameterError
 from .replay.files import OutputError, check, whole
 from .ros_environment import need_no_graph, without_ros
@@ -52,6 +52,7 @@ def main(arguments: list[str] | None = None) -> int:
                 raise ParameterError(f"{champion.name}: {error}") from None
             print(line(*found[-1]), flush=True)
         if given.out:
+            without_remarks()
             from .replay.turning_picture import save_turning
 
             with whole(given.out, ".png") as file:

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..command_line import Parser, pairs, say_if_compiling
+from ..command_line import Parser, pairs, say_if_compiling, without_remarks
 from ..parameters import ParameterError, Task, with_settings
 from ..replay import files
 from ..ros_environment import need_no_graph, without_ros
@@ -57,6 +57,7 @@ def main(arguments: list[str] | None = None) -> int:
             with files.whole(given.csv, ".csv") as file:
                 write_cells(file, analysis)
         if given.out:
+            without_remarks()
             from .picture import save_gait
 
             with files.whole(given.out, ".png") as file:

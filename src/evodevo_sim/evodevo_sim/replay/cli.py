@@ -11,7 +11,7 @@ import tempfile
 from contextlib import contextmanager
 from pathlib import Path
 
-from ..command_line import Parser
+from ..command_line import Parser, without_remarks
 from ..process import if_ended
 from ..ros_environment import need_no_graph, without_ros
 
@@ -114,6 +114,7 @@ def _beside(source: Path) -> Path:
 
 
 def _picture(recording, life, path: Path) -> None:
+    without_remarks()
     from . import files
     from .picture import save_story
 
