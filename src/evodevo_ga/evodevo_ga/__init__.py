@@ -5,6 +5,7 @@
 All of it is imported when the first name is asked for.
 """
 
+# ruff: noqa: F403, F405
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING
 from evodevo_sim.lazy import lazily
 
 if TYPE_CHECKING:
-    from .library import *  # noqa: F403
+    from .library import *
 
 __all__ = ["SCHEMES", "Evolution", "Generation", "Individual", "Settings", "default_scheme", "diversity", "scheme"]
 

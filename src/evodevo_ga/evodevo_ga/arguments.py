@@ -42,9 +42,9 @@ When there are none, or with --simulators N, evolve starts its own, one per core
 The run's directory holds a rosbag2 recording in MCAP and champion.yaml. See it by
   ros2 run evodevo_sim replay DIR
 
-Exit code: 0; 2 for bad input, or where no simulator is left; 130 where Ctrl-C, SIGTERM or a terminal that closed ended it early. That ends in
-good order: the best animat is audited and recorded. A second Ctrl-C ends at once, and keeps what was recorded. A closed output, as of
-`evolve | head`, ends nothing.
+Exit code: 0; 2 for bad input, or where no simulator is left; 130 where Ctrl-C, SIGTERM or a terminal that closed ended it early.
+That ends in good order: the best animat is audited and recorded. A second Ctrl-C ends at once, and keeps what was recorded.
+A closed output, as of `evolve | head`, ends nothing.
 """
 
 
@@ -64,7 +64,8 @@ def parse(arguments: list[str]) -> Options:
     """Options of a command line.  Leaves with exit code 2 and one line where something is wrong."""
     parser = Parser("evolve", "Evolve soft-bodied animats that grow from one cell and move without a central controller.", _EPILOG)
     parser.add_argument("--task", default=TASKS[0], metavar="NAME", help=f"what to evolve for: {', '.join(TASKS)} (default %(default)s)")
-    parser.add_argument("--world", metavar="NAME|FILE", help="walk: flat, slope, steps, rough, obstacles, gap, or a file of your own (default flat)")
+    worlds = "walk: flat, slope, steps, rough, obstacles, gap, or a file of your own (default flat)"
+    parser.add_argument("--world", metavar="NAME|FILE", help=worlds)
     starts = f"walk: orientations at birth, of which the worse half counts (default {default_task('walk').starts})"
     parser.add_argument("--starts", type=int, metavar="N", help=starts)
     parser.add_argument("--cells", default=32, type=int, metavar="N", help="most cells of a body (default %(default)s)")

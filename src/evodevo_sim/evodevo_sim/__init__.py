@@ -6,6 +6,7 @@
 All of it is imported when the first name is asked for.
 """
 
+# ruff: noqa: F403, F405
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
@@ -13,7 +14,7 @@ from typing import TYPE_CHECKING
 from .lazy import lazily
 
 if TYPE_CHECKING:
-    from .library import *  # noqa: F403
+    from .library import *
 
 __version__ = "0.1.0"
 

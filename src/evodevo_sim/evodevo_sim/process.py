@@ -10,8 +10,10 @@ hears a signal between two of its own instructions, and the compiler of kernels 
 which signals write, since one that came just before it waited for a lock would not wake it.
 
 SIGINT, SIGTERM and SIGHUP end a command at once with exit code 128 + their number, after what `if_ended` was given.  Within `heeded`
-the first of them only asks, and a second one ends, but for SIGHUP, of which a closed terminal may send several.  A reader of the output who leaves, or a terminal that is closed, ends nothing:
-what is printed from then on is dropped, and the exit code stays that of the work.
+the first of them only asks, and a second one ends, but for SIGHUP, of which a closed terminal may send several.
+
+A reader of the output who leaves, or a terminal that is closed, ends nothing: what is printed from then on is dropped, and the exit
+code stays that of the work.
 """
 
 from __future__ import annotations
@@ -32,7 +34,11 @@ _GONE = (errno.EPIPE, errno.EIO)  # the reader of a pipe left; a terminal was cl
 _ending: list[Callable[[], None]] = []  # what is to be done before the process ends early, the last first
 _asked: list[Callable[[int], None]] = []  # told of the first signal within `heeded`
 _heard = 0  # number of the first signal within `heeded`
-_code_of: Callable[[int], int] = lambda number: 128 + number
+
+
+def _code_of(number: int) -> int:
+    """The exit code after a signal; a command may have another rule."""
+    return 128 + number
 
 
 @contextmanager
@@ -63,7 +69,7 @@ def exit_code(otherwise: int = 0) -> int:
 def end_now(code: int) -> None:
     """End the process, whatever its other threads do, after what `if_ended` was given.  They say nothing more."""
     sys.stdout = sys.stderr = open(os.devnull, "w")
-    for undo in reversed(_ending):
+    for undo in _ending[::-1]:  # as it is: the other thread may leave its contexts meanwhile
         try:
             undo()
         except Exception:  # the next one must have its turn

@@ -38,7 +38,8 @@ def main(arguments: list[str] | None = None) -> int:
     parser = Parser("simulate", "Simulate a soft body of your own.", _EPILOG)
     parser.add_argument("body", metavar="BODY", help="a body file, YAML or JSON")
     parser.add_argument("--scene", default="swim", metavar="NAME", help="swim, walk, free (default %(default)s)")
-    parser.add_argument("--world", metavar="NAME|FILE", help="walk: flat, slope, steps, rough, obstacles, gap, or a file (docs/walking.md; default flat)")
+    worlds = "walk: flat, slope, steps, rough, obstacles, gap, or a file (docs/walking.md; default flat)"
+    parser.add_argument("--world", metavar="NAME|FILE", help=worlds)
     parser.add_argument("--duration", required=True, type=float, metavar="S", help="simulated seconds")
     parser.add_argument("--dt", type=float, metavar="S", help="seconds of a step, exactly")
     parser.add_argument("--tolerance", type=float, metavar="M", help="most error of an adaptive step, in m and m/s")

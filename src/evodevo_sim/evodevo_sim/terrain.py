@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ._jit import lean
-from .profiles import CELL, profile
+from .profiles import profile
 
 _FAR = 1e9  # m, where a profile's level ends end
 _CLOSE = 1e-9  # m, and of a height: as near as rounding leaves what touches

@@ -7,6 +7,7 @@
 All of it is imported when the first name is asked for.
 """
 
+# ruff: noqa: F403, F405
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
@@ -14,7 +15,7 @@ from typing import TYPE_CHECKING
 from ..lazy import lazily
 
 if TYPE_CHECKING:
-    from .library import *  # noqa: F403
+    from .library import *
 
 __all__ = [
     "SWIMMING", "WALKING", "Analysis", "Gait", "GaitError", "Ground", "Rules", "Track", "World", "analyse", "track_of_motion",

@@ -23,7 +23,8 @@ examples:
 
 A target counts as captured when the centre of mass is within --capture metres of it; then, or after --each simulated seconds, the
 next one comes.
-Exit code: 0; 1 where the animat failed or the simulator was lost; 2 for bad input; 128 + the number of a signal (130 after Ctrl-C). What was recorded is kept.
+Exit code: 0; 1 where the animat failed or the simulator was lost; 2 for bad input; 130 after Ctrl-C, 143 after SIGTERM.
+What was recorded is kept.
 """
 
 

@@ -76,7 +76,7 @@ def _replay(options: argparse.Namespace) -> int:
         _picture(recording, life, options.png)
     opens = viewer.has_display() and viewer.is_installed() and not options.no_viewer
     if opens and not options.save:
-        with tempfile.TemporaryDirectory(prefix="evodevo-") as directory, if_ended(lambda: shutil.rmtree(directory)):
+        with tempfile.TemporaryDirectory(prefix="evodevo-") as directory, if_ended(lambda: shutil.rmtree(directory, ignore_errors=True)):
             file = os.path.join(directory, f"{name_of(source)}.rrd")
             with _bar("Preparing") as step:
                 viewer.save(recording, life, file, step)
