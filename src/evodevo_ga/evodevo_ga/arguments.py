@@ -6,17 +6,16 @@ import dataclasses
 import os
 from datetime import datetime
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from evodevo_sim.parameters import PRESETS, TASKS, default_task, preset, with_settings
+from evodevo_sim.parameters import PRESETS, TASKS, ParameterError, Task, default_task, preset, with_settings
 from evodevo_sim.ros.command_line import Parser, pairs
-from evodevo_sim.ros.process import without_ros
-from evodevo_sim.worlds import PRESETS as WORLDS
-from evodevo_sim.worlds import with_world
+from evodevo_sim.ros.environment import without_ros
 
-from evodevo_sim import Genome, GenomeError, ParameterError, Task, load_genome
-
-from .feasible import check
 from .settings import OF_TASK, SCHEMES, Settings, default_scheme, scheme
+
+if TYPE_CHECKING:
+    from evodevo_sim.genetics.genome import Genome
 
 _EPILOG = """\
 examples:
@@ -42,6 +41,10 @@ When there are none, or with --simulators N, evolve starts its own, one per core
 
 The run's directory holds a rosbag2 recording in MCAP and champion.yaml. See it by
   ros2 run evodevo_sim replay DIR
+
+Exit code: 0; 2 for bad input, or where no simulator is left; 130 where Ctrl-C, SIGTERM or a terminal that closed ended it early.
+That ends in good order: the best animat is audited and recorded. A second Ctrl-C ends at once, and keeps what was recorded.
+A closed output, as of `evolve | head`, ends nothing.
 """
 
 
@@ -61,7 +64,8 @@ def parse(arguments: list[str]) -> Options:
     """Options of a command line.  Leaves with exit code 2 and one line where something is wrong."""
     parser = Parser("evolve", "Evolve soft-bodied animats that grow from one cell and move without a central controller.", _EPILOG)
     parser.add_argument("--task", default=TASKS[0], metavar="NAME", help=f"what to evolve for: {', '.join(TASKS)} (default %(default)s)")
-    parser.add_argument("--world", metavar="NAME|FILE", help=f"walk: {', '.join(WORLDS)}, or a file of your own (default flat)")
+    worlds = "walk: flat, slope, steps, rough, obstacles, gap, or a file of your own (default flat)"
+    parser.add_argument("--world", metavar="NAME|FILE", help=worlds)
     starts = f"walk: orientations at birth, of which the worse half counts (default {default_task('walk').starts})"
     parser.add_argument("--starts", type=int, metavar="N", help=starts)
     parser.add_argument("--cells", default=32, type=int, metavar="N", help="most cells of a body (default %(default)s)")
@@ -84,7 +88,13 @@ def parse(arguments: list[str]) -> Options:
         )
     parser.add_argument("--preset", metavar="NAME", help=f"a named set of numbers of the model: {', '.join(PRESETS)}")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="set a number of the model, e.g. material.stiffness=300")
-    given = parser.parse_args(without_ros(parser, arguments))
+    given = parser.parse_args(without_ros(arguments))
+    from evodevo_sim.genetics.genome import GenomeError
+    from evodevo_sim.genetics.genome_file import load_genome
+    from evodevo_sim.worlds import with_world
+
+    from .feasible import check
+
     try:
         task = default_task(given.task)
         if given.world is not None:

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from evodevo_sim.parameters import Checked, parameter
-
-from evodevo_sim import ParameterError
+from evodevo_sim.parameters import Checked, ParameterError, parameter
 
 
 @dataclass(frozen=True)

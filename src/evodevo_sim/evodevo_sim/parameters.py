@@ -12,7 +12,7 @@ import math
 from collections import namedtuple
 from dataclasses import dataclass, field
 
-from .physics.terrain import fault
+from .profiles import fault
 
 VARIANTS = ("continual_graph", "graph_at_end")
 PROFILES = ("ground_x", "ground_y", "ceiling_x", "ceiling_y")

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from ..analysis.turning import Turning, turning
-from ..genetics.genome import GenomeError
 from ..parameters import ParameterError
-from ..recording import RecordingError
-from ..recording.champion import champion_of
-from ..ros.command_line import Parser, pairs, say_if_compiling
-from ..ros.process import without_ros
+from ..ros.command_line import Parser, pairs, say_if_compiling, without_remarks
+from ..ros.environment import need_no_graph, without_ros
 from ..view.files import OutputError, check, whole
+
+if TYPE_CHECKING:
+    from ..analysis.turning import Turning
 
 _EPILOG = """\
 examples:
@@ -32,7 +32,13 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("sources", nargs="+", metavar="GENOME|BAG", help="genome files, or recordings of runs")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="for genomes: a number of the task")
     parser.add_argument("--out", type=Path, metavar="FILE.png", help="save a picture")
-    given = parser.parse_args(without_ros(parser, sys.argv[1:] if arguments is None else arguments))
+    given = parser.parse_args(without_ros(sys.argv[1:] if arguments is None else arguments))
+    need_no_graph()
+    from ..analysis.turning import turning
+    from ..genetics.genome import GenomeError
+    from ..recording import RecordingError
+    from ..recording.champion import champion_of
+
     try:
         if given.out:
             check(given.out, ".png")
@@ -46,6 +52,7 @@ def main(arguments: list[str] | None = None) -> int:
                 raise ParameterError(f"{champion.name}: {error}") from None
             print(line(*found[-1]), flush=True)
         if given.out:
+            without_remarks()
             from ..view.turning_picture import save_turning
 
             with whole(given.out, ".png") as file:
@@ -66,4 +73,6 @@ def line(name: str, found: Turning) -> str:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    from .entry import turning as entry
+
+    sys.exit(entry())

@@ -19,7 +19,6 @@ from evodevo_msgs.srv import Evaluate, Load
 from ..genetics.genome import Genome, GenomeError
 from ..live.animat import Animat, NotViable, Stage
 from ..parameters import TASKS, ParameterError, default_task
-from ..ros.command_line import Parser
 from ..ros.messages import (
     body_message,
     cell_states_message,
@@ -27,7 +26,6 @@ from ..ros.messages import (
     genome_from_message,
     task_from_message,
 )
-from ..ros.process import run
 from ..tasks.evaluation import evaluate, invalid, prepare
 from ..tasks.outcome import Evaluation
 
@@ -167,32 +165,7 @@ def _fixed(meaning: str, low: int | None = None, high: int | None = None) -> Par
     return ParameterDescriptor(description=meaning, read_only=True, integer_range=limits)
 
 
-_EPILOG = """\
-in a namespace of its own, so that several can stand side by side:
-  ros2 run evodevo_sim simulator --ros-args -r __ns:=/sim_0
-
-names in the namespace:
-  services  evaluate  evodevo_msgs/srv/Evaluate   a batch of genomes for a task and a seed
-            load      evodevo_msgs/srv/Load       grow a genome and let it live at a real-time factor
-            pause     std_srvs/srv/SetBool        hold the animat, or let it go on
-            reset     std_srvs/srv/Trigger        back to birth
-  topics    body, cell_states                     of the live animat; body is latched
-            target_pose (subscribed)              geometry_msgs/PoseStamped; the last good one holds
-
-parameters, e.g. -p publish_every:=4
-  frame_id       world   frame of positions and targets
-  max_batch      1000    genomes in one request, at the most
-  publish_every  1       control steps between cell states
-  task           swim    task whose first request does not wait for kernels
-  target_age     1.0     s, of the oldest target that counts; one with a stamp of 0 always does
-
-Nothing leaves this host unless ROS_AUTOMATIC_DISCOVERY_RANGE says so.
-"""
-
-
-def main(arguments: list[str] | None = None) -> int:
-    return run(Simulator, Parser("simulator", "Simulate animats: batches for evolution, and one live.", _EPILOG), arguments)
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    from ..commands.entry import simulator as entry
+
+    sys.exit(entry())

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import os
+import shlex
 
-from ..kernels.jit import is_compiled
 from ..parameters import ParameterError
 
 
@@ -29,5 +30,19 @@ def pairs(items: list[str]) -> dict[str, str]:
 
 def say_if_compiling(kernel_name: str) -> None:
     """Tell the user why a first run waits.  Args: kernel_name: module.function of the kernel that takes longest to compile."""
+    from ..kernels.jit import is_compiled  # it takes Numba
+
     if not is_compiled(kernel_name):
         print("Compiling the simulation kernels, once: about a minute.", flush=True)
+
+
+def without_remarks() -> None:
+    """To be called before matplotlib is imported, which says on stderr where it keeps its fonts when there is no home."""
+    import logging
+
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
+
+
+def see_it(recording: str | os.PathLike) -> str:
+    """The line that says how a recording is seen, to be typed as it stands."""
+    return f"See it:   ros2 run evodevo_sim replay {shlex.quote(str(recording))}"
