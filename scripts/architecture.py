@@ -19,7 +19,9 @@ FIGURE = ROOT / "docs" / "images" / "architecture.svg"
 ROOMS = (
     ("inputs", "numbers and errors of what people give", ""),
     ("text_file", "YAML and JSON with limits", ""),
+    ("command_process", "signals, streams, exit codes", ""),
     ("whole_file", "files written whole or not at all", ""),
+    ("lazy", "packages import what is asked for", ""),
     ("kernels", "how compiled code is made", ""),
     ("profiles", "heights of ground and ceiling", ""),
     ("task_kinds", "table of tasks", "4"),
@@ -34,6 +36,7 @@ ROOMS = (
     ("tasks", "swim, walk, chemotaxis; audits", "4"),
     ("live", "an animat at a pace", ""),
     ("analysis", "gaits, turning", "4, Fig. 6"),
+    ("library", "what the package offers", ""),
     ("ros", "messages, processes, command lines", ""),
     ("recording", "rosbag2 in MCAP", ""),
     ("view", "Rerun, figures", "Figs. 2-6"),

@@ -312,7 +312,7 @@ def test_nodes_stay_on_this_host_unless_told_otherwise(monkeypatch):
     ],
 )
 def test_bad_arguments_get_one_line_and_exit_code_2(arguments, says):
-    command = [sys.executable, "-m", "evodevo_sim.nodes.simulator", *arguments]
+    command = [sys.executable, "-m", "evodevo_sim.commands.simulator", *arguments]
     result = subprocess.run(command, capture_output=True, text=True, timeout=DEADLINE)
     assert result.returncode == 2 and says in result.stderr, result.stderr
     assert [line.partition(":")[0] for line in result.stderr.splitlines() if not line.startswith("[WARN]")] == ["simulator"]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 
 from geometry_msgs.msg import PoseStamped
 from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
@@ -19,7 +18,6 @@ from ..inputs import shown
 from ..live.animat import Animat, NotViable, Stage, check_pace
 from ..parameters import ParameterError, default_task
 from ..ros.barrier import Callbacks, Desk, brief, told
-from ..ros.command_line import Parser
 from ..ros.messages import (
     body_message,
     cell_states_message,
@@ -27,7 +25,6 @@ from ..ros.messages import (
     genome_from_message,
     task_of_request,
 )
-from ..ros.process import run
 from ..task_kinds import names
 from ..tasks.evaluation import evaluate, invalid, prepare
 from ..tasks.outcome import Evaluation
@@ -210,34 +207,3 @@ def _seconds(node, name: str, default: float, meaning: str) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 <= value <= 1e9:  # a range of ROS's lets NaN pass
         raise ParameterError(f"{name} is {brief(repr(value), 60)}: give seconds from 0 to 1e9")
     return float(value)
-
-
-_EPILOG = """\
-in a namespace of its own, so that several can stand side by side:
-  ros2 run evodevo_sim simulator --ros-args -r __ns:=/sim_0
-
-names in the namespace:
-  services  evaluate  evodevo_msgs/srv/Evaluate   a batch of genomes for a task and a seed
-            load      evodevo_msgs/srv/Load       grow a genome and let it live at a real-time factor
-            pause     std_srvs/srv/SetBool        hold the animat, or let it go on; a loaded one is never held
-            reset     std_srvs/srv/Trigger        back to birth, held if it was
-  topics    body, cell_states                     of the live animat; body is latched
-            target_pose (subscribed)              geometry_msgs/PoseStamped; the last good one holds
-
-parameters, e.g. -p publish_every:=4
-  frame_id       world   frame of positions and targets
-  max_batch      1000    genomes in one request, at the most
-  publish_every  1       control steps between cell states
-  task           swim    task whose first request does not wait for kernels
-  target_age     1.0     s, of the oldest target that counts; one with a stamp of 0 always does
-
-Nothing leaves this host unless ROS_AUTOMATIC_DISCOVERY_RANGE says so.
-"""
-
-
-def main(arguments: list[str] | None = None) -> int:
-    return run(Simulator, Parser("simulator", "Simulate animats: batches for evolution, and one live.", _EPILOG), arguments)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -15,6 +15,7 @@ from rclpy.serialization import serialize_message
 from .definitions import RecordingError, definition, type_hash, type_name
 
 _CHUNK = 128 * 1024  # bytes of messages that share a compressed chunk
+_LAST_MESSAGE = 2.0  # s for the message that is being written when the process is ended
 _KEEP_WITHIN = 0.5  # s after which a message is in the file, come what may
 _INFINITE = {"sec": 9223372036, "nsec": 854775807}
 
@@ -121,6 +122,18 @@ class Recorder:
         self._ending.set()
         self._waiting.set()
         self._keeper.join()
+        with self._lock:
+            if not self._file.closed:
+                self._finish()
+
+    def close_for_good(self) -> None:
+        """End the recording from any thread of a process that ends: nobody writes any more, since the lock is kept."""
+        self._ending.set()
+        self._waiting.set()
+        if self._lock.acquire(timeout=_LAST_MESSAGE) and not self._file.closed:
+            self._finish()
+
+    def _finish(self) -> None:
         if not self._channels:
             self._file.close()
             if [path.name for path in self.directory.iterdir()] == [self._name]:
