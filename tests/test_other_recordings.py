@@ -335,7 +335,7 @@ def test_a_walk_is_one_by_its_scene_and_stands_on_the_ground_in_it(tmp_path):
 
     scene = Scene(0.0, 0.0, 9.81, 0.6, (-5.0, 0.0, 5.0), (0.0, 0.5, 0.0))
     with Recorder(tmp_path / "walk") as recorder:
-        recorder.write("scene", scene_message(scene), 1, latched=True)
+        recorder.write("scene", scene_message(scene), 1)
         for topic, message, stamp in states():
             recorder.write(topic, message, stamp)
     recording = read_recording(tmp_path / "walk")

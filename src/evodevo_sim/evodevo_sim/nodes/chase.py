@@ -11,13 +11,10 @@ from pathlib import Path
 
 import numpy as np
 import rclpy
-from geometry_msgs.msg import PoseStamped
 from rclpy.experimental import EventsExecutor
-from rclpy.qos import qos_profile_sensor_data
 from rclpy.signals import SignalHandlerOptions
 from tqdm import tqdm
 
-from evodevo_msgs.msg import Body, CellStates
 from evodevo_msgs.srv import Load
 
 from ..genetics.genome import GenomeError
@@ -31,9 +28,9 @@ from ..ros.loopback import loopback_alone
 from ..ros.messages import genome_message, target_message, task_message
 from ..ros.own_simulators import OwnSimulators
 from ..ros.process import stay_on_this_host, without_ros
+from ..ros.topics import BODY, CELL_STATES, TARGET_POSE, Topic
 from ..view.files import OutputError
 from ..view.palettes import add_palette
-from .simulator import LATCHED, NEWEST
 
 _EPILOG = """\
 examples:
@@ -162,15 +159,15 @@ class Chase:
         executor.add_node(node)
         own = None if self.given.simulator else stack.enter_context(OwnSimulators(1, owner="chase", task="chemotaxis"))
         namespace = (own.namespaces[0] if own else "/" + self.given.simulator.strip("/")).rstrip("/")
-        self._publisher = node.create_publisher(PoseStamped, f"{namespace}/target_pose", NEWEST)
+        self._publisher = node.create_publisher(TARGET_POSE.type, TARGET_POSE.at(namespace), TARGET_POSE.quality)
         self._node = node
         loader = node.create_client(Load, f"{namespace}/load")
         self._wait(executor, loader.service_is_ready, own, f"no simulator answers at {namespace}: start one, or leave --simulator out")
         callbacks = Callbacks(node, through=(OSError, RecordingError, OutputError))
-        callbacks.subscription(Body, f"{namespace}/body", self._embody, LATCHED)
-        callbacks.subscription(CellStates, f"{namespace}/cell_states", self._follow, qos_profile_sensor_data)
+        callbacks.subscription(BODY.type, BODY.at(namespace), self._embody, BODY.quality)
+        callbacks.subscription(CELL_STATES.type, CELL_STATES.at(namespace), self._follow, CELL_STATES.quality)
         self._wait(
-            executor, lambda: self._publisher.get_subscription_count() and node.count_publishers(f"{namespace}/cell_states"), own,
+            executor, lambda: self._publisher.get_subscription_count() and node.count_publishers(CELL_STATES.at(namespace)), own,
             f"{namespace} is no simulator",
         )
         c = self.champion
@@ -202,7 +199,7 @@ class Chase:
                 raise ParameterError(otherwise)
 
     def _embody(self, message) -> None:
-        self._write("body", message, latched=True)
+        self._write(BODY, message)
         if self.view:
             self.view.embody(message)
 
@@ -225,7 +222,7 @@ class Chase:
                 self._bar.update()
         if self.target is None:
             self._aim(centre, now)
-        self._write("cell_states", message)
+        self._write(CELL_STATES, message)
         if self.view:
             self.view.show(now, position, np.asarray(message.activation), self.target, self.captured)
 
@@ -238,12 +235,12 @@ class Chase:
         self.closest.append(float(np.hypot(*(centre - target))))
         message = target_message(target, self._node.get_clock().now().to_msg())
         self._publisher.publish(message)
-        self._write("target_pose", message, latched=True)
+        self._write(TARGET_POSE, message)
         self._bar.set_postfix_str(f"{self.captured} captured", refresh=False)
 
-    def _write(self, topic, message, latched=False) -> None:
+    def _write(self, topic: Topic, message) -> None:
         if self.recorder:
-            self.recorder.write(topic, message, time.time_ns(), latched=latched)
+            self.recorder.write(topic.name, message, time.time_ns())
 
     def _report(self) -> None:
         mean = float(np.mean(self.closest)) if self.closest else float("nan")

@@ -5,13 +5,10 @@ from __future__ import annotations
 import math
 import sys
 
-from geometry_msgs.msg import PoseStamped
 from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
 from std_srvs.srv import SetBool, Trigger
 
-from evodevo_msgs.msg import Body, CellStates
 from evodevo_msgs.srv import Evaluate, Load
 
 from ..genetics.genome import Genome, GenomeError
@@ -28,12 +25,10 @@ from ..ros.messages import (
     task_of_request,
 )
 from ..ros.process import run
+from ..ros.topics import BODY, CELL_STATES, TARGET_POSE
 from ..task_kinds import names
 from ..tasks.evaluation import evaluate, invalid, prepare
 from ..tasks.outcome import Evaluation
-
-LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 
 
 class Simulator(Node):
@@ -58,11 +53,11 @@ class Simulator(Node):
         self._callbacks = Callbacks(self)
         self._evaluations, self._births = Desk("evaluations"), Desk("births")
 
-        self._body = self.create_publisher(Body, "body", LATCHED)
-        self._states = self.create_publisher(CellStates, "cell_states", qos_profile_sensor_data)
+        self._body = self.create_publisher(BODY.type, BODY.name, BODY.quality)
+        self._states = self.create_publisher(CELL_STATES.type, CELL_STATES.name, CELL_STATES.quality)
         self._shown = None
         self._stage = Stage(self._show, self._report, every)
-        self._callbacks.subscription(PoseStamped, "target_pose", self._aim, NEWEST)
+        self._callbacks.subscription(TARGET_POSE.type, TARGET_POSE.name, self._aim, TARGET_POSE.quality)
         self._callbacks.service(Evaluate, "evaluate", self._evaluate, self._evaluations)
         self._callbacks.service(Load, "load", self._load, self._births)
         self._callbacks.service(SetBool, "pause", self._pause)

@@ -7,7 +7,7 @@
         scene (latched)                                                   the world of a walk by simulate
         gait (latched)                                                    what evolve found that motion to be
 
-`topics` is the table of them.  Reading: `storage` finds the files, `mcap_file` and `sqlite_file` their messages; `decoding` tells by
+`ros.topics` is the table of them.  Reading: `storage` finds the files, `mcap_file` and `sqlite_file` their messages; `decoding` tells by
 `schema` whether a type is ours, and `older` what another version of it lacks; `ordering` puts messages in the order of time.
 """
 

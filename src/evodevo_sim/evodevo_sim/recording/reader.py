@@ -11,13 +11,13 @@ from geometry_msgs.msg import PoseStamped
 
 from evodevo_msgs import msg
 
+from ..ros.topics import CELL_STATES, SETTINGS, Topic, namespace_of, role_of
 from .decoding import Reading, Undecodable, reading_of
 from .definitions import HOW, RecordingError
 from .older import named
 from .ordering import lives
 from .storage import files_of, messages_of
 from .stored import Channel, Damage, Stored
-from .topics import Topic, namespace_of, role_of
 
 _LONGEST = 290  # characters of a note
 _TRIES = 3  # messages of a topic that are tried where none can be read
@@ -134,7 +134,7 @@ class _Collected:
             if not entry.many:
                 setattr(recording, entry.attribute, kept[-1][1])
                 continue
-            if entry.attribute in ("states", "growth", "growth_bodies"):
+            if entry.lives:
                 kept = [kept[k] for life in lives([_stamp(m) for _, m in kept], [t for t, _ in kept]) for k in life]
             setattr(recording, entry.attribute, [message for _, message in kept])
             if entry.attribute in ("states", "targets"):
@@ -150,7 +150,7 @@ class _Collected:
             entry: {namespace: min((one.log_time, namespace) for _, one in messages) for namespace, messages in found.items()}
             for entry, found in self._messages.items()
         }
-        animats = next((found for entry, found in begins.items() if entry.attribute == "states"), {})
+        animats = begins.get(CELL_STATES, {})
         first = min(animats, key=animats.get, default=None)
         if len(animats) > 1:
             _note(self._recording, f"{self._recording.path} holds {len(animats)} animats: {first or '/'}, the first one, is read")
@@ -164,7 +164,7 @@ class _Collected:
 
     def _begin_of_run(self, chosen) -> int:
         """ns, when the last of several runs in one directory began."""
-        settings = next((messages for entry, messages in chosen.items() if entry.attribute == "settings"), [])
+        settings = chosen.get(SETTINGS, [])
         if len({one.data for _, one in settings}) < 2:
             return -(2**63)
         _note(self._recording, f"{self._recording.path} holds {len(settings)} runs: the last one is read")
