@@ -114,7 +114,7 @@ class _Run:
 
     def _find_simulators_and_evolve(self) -> None:
         o = self.options
-        self.recorder.write(topics.SETTINGS.name, evolution_message(o.settings, o.task, o.seed, o.start), time.time_ns())
+        self.recorder.write(topics.SETTINGS.name, evolution_message(o.settings, o.task, o.seed, o.start, o.scheme), time.time_ns())
         count, log = o.simulators or cores(), o.out / "simulators.log"
         with OwnSimulators(count, log, task=o.task.name) as own:  # they start while we look for others
             with self.times(START):
