@@ -28,7 +28,7 @@ from ..ros.loopback import loopback_alone
 from ..ros.messages import genome_message, target_message, task_message
 from ..ros.own_simulators import OwnSimulators
 from ..ros.process import stay_on_this_host, without_ros
-from ..ros.topics import BODY, CELL_STATES, TARGET_POSE, Topic
+from ..ros.topics import ACTUATION, BODY, CELL_STATES, TARGET_POSE, Topic
 from ..view.files import OutputError
 from ..view.palettes import add_palette
 
@@ -149,6 +149,7 @@ class Chase:
         self.closest: list[float] = []
         self.target = None
         self.ended = False
+        self._answer, self._lives = None, False
         self._since, self._step = 0.0, -1
         self._bar = None
 
@@ -166,6 +167,8 @@ class Chase:
         callbacks = Callbacks(node, through=(OSError, RecordingError, OutputError))
         callbacks.subscription(BODY.type, BODY.at(namespace), self._embody, BODY.quality)
         callbacks.subscription(CELL_STATES.type, CELL_STATES.at(namespace), self._follow, CELL_STATES.quality)
+        if self.recorder:  # a simulator makes these messages only where somebody listens
+            callbacks.subscription(ACTUATION.type, ACTUATION.at(namespace), self._actuate, ACTUATION.quality)
         self._wait(
             executor, lambda: self._publisher.get_subscription_count() and node.count_publishers(CELL_STATES.at(namespace)), own,
             f"{namespace} is no simulator",
@@ -175,7 +178,7 @@ class Chase:
             task=task_message(c.task), seed=c.seed, genome=genome_message(c.genome), real_time_factor=self.given.real_time_factor
         )
         with tqdm(total=self.most, unit="target", disable=self.given.quiet, leave=False) as self._bar:
-            answer = loader.call_async(request)
+            self._answer = answer = loader.call_async(request)
             self._wait(executor, answer.done, own, "the simulator does not answer")
             if answer.done() and not answer.result().success:
                 raise ParameterError(brief(f"{self.given.source}: {answer.result().message}"))
@@ -205,7 +208,7 @@ class Chase:
 
     def _follow(self, message) -> None:
         """One control step's cells: captured? the next target?"""
-        if self.ended or not len(message.position_x) or message.step <= self._step:
+        if self.ended or not self._is_ours(message) or not len(message.position_x) or message.step <= self._step:
             return
         position = np.column_stack((message.position_x, message.position_y))
         if not np.isfinite(position).all():
@@ -225,6 +228,15 @@ class Chase:
         self._write(CELL_STATES, message)
         if self.view:
             self.view.show(now, position, np.asarray(message.activation), self.target, self.captured)
+
+    def _actuate(self, message) -> None:
+        if self._is_ours(message) and not self.ended:
+            self._write(ACTUATION, message)
+
+    def _is_ours(self, message) -> bool:
+        """Whether it is of our animat: another one may live on the simulator until ours is born, at step 0."""
+        self._lives = self._lives or (self._answer is not None and (message.step == 0 or self._answer.done()))
+        return self._lives
 
     def _aim(self, centre, now: float) -> None:
         target = None if self.sent == self.most else self.targets.following(centre)

@@ -18,6 +18,7 @@ from ..parameters import ParameterError, default_task
 from ..ros.barrier import Callbacks, Desk, brief, told
 from ..ros.command_line import Parser
 from ..ros.messages import (
+    actuation_message,
     body_message,
     cell_states_message,
     evaluation_message,
@@ -25,7 +26,7 @@ from ..ros.messages import (
     task_of_request,
 )
 from ..ros.process import run
-from ..ros.topics import BODY, CELL_STATES, TARGET_POSE
+from ..ros.topics import ACTUATION, BODY, CELL_STATES, TARGET_POSE
 from ..task_kinds import names
 from ..tasks.evaluation import evaluate, invalid, prepare
 from ..tasks.outcome import Evaluation
@@ -55,8 +56,9 @@ class Simulator(Node):
 
         self._body = self.create_publisher(BODY.type, BODY.name, BODY.quality)
         self._states = self.create_publisher(CELL_STATES.type, CELL_STATES.name, CELL_STATES.quality)
+        self._actuation = self.create_publisher(ACTUATION.type, ACTUATION.name, ACTUATION.quality)
         self._shown = None
-        self._stage = Stage(self._show, self._report, every)
+        self._stage = Stage(self._show, self._report, every, self._act)
         self._callbacks.subscription(TARGET_POSE.type, TARGET_POSE.name, self._aim, TARGET_POSE.quality)
         self._callbacks.service(Evaluate, "evaluate", self._evaluate, self._evaluations)
         self._callbacks.service(Load, "load", self._load, self._births)
@@ -175,6 +177,11 @@ class Simulator(Node):
                 cell_states_message(animat.position, animat.velocity, animat.activation, animat.steps, animat.time, self._frame)
             )
 
+    def _act(self, animat):
+        """In the stage's thread, after each control step: publish what the muscles were told in it, if somebody listens."""
+        if self._actuation.get_subscription_count():
+            self._actuation.publish(actuation_message(animat.activation, animat.steps, animat.time, self._frame))
+
     def _report(self, cause):
         self._shown = None
         self.get_logger().error(brief(f"the live animat ended: {cause}: load another one"))
@@ -207,7 +214,7 @@ def _seconds(node, name: str, default: float, meaning: str) -> float:
     return float(value)
 
 
-_EPILOG = """\
+_EPILOG = f"""\
 in a namespace of its own, so that several can stand side by side:
   ros2 run evodevo_sim simulator --ros-args -r __ns:=/sim_0
 
@@ -216,8 +223,9 @@ names in the namespace:
             load      evodevo_msgs/srv/Load       grow a genome and let it live at a real-time factor
             pause     std_srvs/srv/SetBool        hold the animat, or let it go on; a loaded one is never held
             reset     std_srvs/srv/Trigger        back to birth, held if it was
-  topics    body, cell_states                     of the live animat; body is latched
-            target_pose (subscribed)              geometry_msgs/PoseStamped; the last good one holds
+  topics    {BODY.name}, {CELL_STATES.name}                     of the live animat; {BODY.name} is {BODY.service.name}
+            {ACTUATION.name}                             what its muscles are told, each control step, where somebody listens
+            {TARGET_POSE.name} (subscribed)              geometry_msgs/PoseStamped; the last good one holds
 
 parameters, e.g. -p publish_every:=4
   frame_id       world   frame of positions and targets

@@ -4,6 +4,7 @@
         evolution/settings, evolution/statistics, evolution/champion, evolution/audit      of a run
         growth/body, growth/cell_states                                   the embryo, where its graph changes and at each step
         body (latched), cell_states                                       the animat that lives
+        actuation                                                         what its muscles were told, where chase recorded it
         scene (latched)                                                   the world of a walk by simulate
         gait (latched)                                                    what evolve found that motion to be
 

@@ -13,6 +13,7 @@ from .schema import Difference
 
 # Fields without which a message of ours says nothing; of messages of other packages all are.
 _NEEDED = {
+    "Actuation": {"header", "step", "activation"},
     "Audit": {"generation", "stands"},
     "AuditRun": {"name", "fitness"},
     "Body": {"cells", "spring_a", "spring_b", "chamber_start", "chamber_cell", "outline_a", "outline_b"},

@@ -28,10 +28,10 @@ class Recording:
     """The messages of a recording, in the order of time; what it does not hold is None or empty.
 
     Attributes: settings: Evolution; statistics: GenerationStatistics; champions: Champion; audits: Audit, of those champions
-    that the run got to; growth and states: CellStates, of each life by their stamps; growth_bodies: Body, where the embryo's graph
-    changed; body: Body; gait: Gait of the states; scene: Scene, of a walk by simulate; targets: PoseStamped; state_times and
-    target_times: ns, when each was recorded; truncated: whether the end is missing, or damaged; notes: what else must be known of
-    what was read, a line each; unread: why messages of ours were not, by attribute.
+    that the run got to; growth and states: CellStates, actuation: Actuation, of each life by their stamps; growth_bodies: Body, where
+    the embryo's graph changed; body: Body; gait: Gait of the states; scene: Scene, of a walk by simulate; targets: PoseStamped;
+    state_times and target_times: ns, when each was recorded; truncated: whether the end is missing, or damaged; notes: what else must
+    be known of what was read, a line each; unread: why messages of ours were not, by attribute.
     """
 
     path: Path
@@ -44,6 +44,7 @@ class Recording:
     body: msg.Body | None = None
     states: list[msg.CellStates] = field(default_factory=list)
     state_times: list[int] = field(default_factory=list)
+    actuation: list[msg.Actuation] = field(default_factory=list)
     targets: list[PoseStamped] = field(default_factory=list)
     target_times: list[int] = field(default_factory=list)
     gait: msg.Gait | None = None

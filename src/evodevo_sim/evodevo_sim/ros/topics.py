@@ -96,12 +96,16 @@ CELL_STATES = Topic(
     "cell_states", msg.CellStates, STREAM, "simulator", "positions, velocities, activation, each control step", "states", many=True,
     lives=True,
 )
+ACTUATION = Topic(
+    "actuation", msg.Actuation, COMMAND, "simulator", "activation that the network asks of each cell, each control step", "actuation",
+    many=True, lives=True,
+)
 TARGET_POSE = Topic(
     "target_pose", PoseStamped, COMMAND, "chase", "where to go, in frame `world`; stamped at sending, or with 0", "targets", many=True,
 )
 SCENE = Topic("scene", msg.Scene, LATCHED, "", "the world of a walk by `simulate`", "scene")
 GAIT = Topic("gait", msg.Gait, LATCHED, "", "what `evolve` found the motion to be", "gait")
-TOPICS = (SETTINGS, STATISTICS, CHAMPION, AUDIT, GROWTH_BODY, GROWTH_STATES, BODY, CELL_STATES, TARGET_POSE, SCENE, GAIT)
+TOPICS = (SETTINGS, STATISTICS, CHAMPION, AUDIT, GROWTH_BODY, GROWTH_STATES, BODY, CELL_STATES, ACTUATION, TARGET_POSE, SCENE, GAIT)
 
 
 def role_of(topic: str) -> Topic | None:
