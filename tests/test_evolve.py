@@ -59,7 +59,7 @@ def test_a_run_through_nodes_is_the_run_in_process_bit_for_bit(tmp_path, in_proc
     assert [s.best for s in recording.statistics] == [g.best for g in history]
     assert [s.median for s in recording.statistics] == [g.median for g in history]
     assert [s.diversity for s in recording.statistics] == [g.diversity for g in history]
-    assert recording.settings.seed == 3 and recording.settings.task.development.max_cells == 8
+    assert recording.settings.seed == 3 and recording.settings.scheme == "panmictic" and recording.settings.task.development.max_cells == 8
     grown = [champion for champion in recording.champions if not champion.evaluation.cause]
     assert [(a.generation, a.fitness) for a in recording.audits] == [(c.generation, c.evaluation.fitness) for c in grown] != []
     assert "audit: the fitness stands" in (tmp_path / "run/champion.yaml").read_text() and "the fitness stands" in stdout
@@ -73,7 +73,7 @@ def test_a_layered_run_through_nodes_is_recorded_with_its_settings(tmp_path):
     code, _, stderr = run("--scheme", "alps", "--layers", "2", "--age-gap", "2", "--simulators", "1", out=tmp_path / "run")
     assert code == 0, stderr
     recording = read_recording(tmp_path / "run")
-    assert (recording.settings.layers, recording.settings.age_gap) == (2, 2)
+    assert (recording.settings.scheme, recording.settings.layers, recording.settings.age_gap) == ("alps", 2, 2)
     assert [(s.best, s.diversity) for s in recording.statistics] == [(g.best, g.diversity) for g in history]
     assert load_genome(tmp_path / "run/champion.yaml") == evolution.champion.genome
 

@@ -13,6 +13,7 @@ from evodevo_sim.analysis.gait.table import headline
 from evodevo_sim.command_process import exit_code, heeded
 from evodevo_sim.recording import RecordingError, record_performance
 from evodevo_sim.recording.guarded import GuardedRecorder
+from evodevo_sim.ros import topics
 from evodevo_sim.ros.command_line import see_it
 from evodevo_sim.ros.environment import EnvironmentFault, started
 from evodevo_sim.ros.messages import gait_message
@@ -25,7 +26,6 @@ from rclpy.experimental import EventsExecutor
 from rich.console import Console
 from tqdm import tqdm
 
-from evodevo_msgs import msg
 from evodevo_sim import perform, save_genome
 
 from .arguments import Options, cores, parse
@@ -91,9 +91,10 @@ class _Run:
         self.times = Times()
         self.executor = EventsExecutor()
         self.executor.add_node(self.node)
-        self.statistics = self.node.create_publisher(msg.GenerationStatistics, "evolution/statistics", 10)
-        self.champions = self.node.create_publisher(msg.Champion, "evolution/champion", 10)
-        self.audits = self.node.create_publisher(msg.Audit, "evolution/audit", 10)
+        self.statistics, self.champions, self.audits = (
+            self.node.create_publisher(topic.type, topic.name, topic.quality)
+            for topic in (topics.STATISTICS, topics.CHAMPION, topics.AUDIT)
+        )
         self.auditor: Auditor  # set before `go`
         self.champion: Individual | None = None  # the one recorded last; drift may put its equals before it
         self.verdict = _NOT_AUDITED  # on it
@@ -110,7 +111,7 @@ class _Run:
 
     def _find_simulators_and_evolve(self) -> None:
         o = self.options
-        self.recorder.write("evolution/settings", evolution_message(o.settings, o.task, o.seed, o.start), time.time_ns(), latched=True)
+        self.recorder.write(topics.SETTINGS.name, evolution_message(o.settings, o.task, o.seed, o.start, o.scheme), time.time_ns())
         count, log = o.simulators or cores(), o.out / "simulators.log"
         with OwnSimulators(count, log, task=o.task.name) as own:  # they start while we look for others
             with self.times(START):
@@ -176,11 +177,11 @@ class _Run:
     def _record(self, generation, rate: float) -> None:
         now = time.time_ns()
         message = statistics_message(generation, rate, now * 1e-9)
-        self.recorder.write("evolution/statistics", message, now)
+        self.recorder.write(topics.STATISTICS.name, message, now)
         if generation.improved:
             self.champion, self.verdict = self.evolution.champion, _NOT_AUDITED
             champion = champion_message(generation.generation, self.champion, now * 1e-9)
-            self.recorder.write("evolution/champion", champion, now)
+            self.recorder.write(topics.CHAMPION.name, champion, now)
         self.recorder.flush()  # before anybody hears of it
         self.statistics.publish(message)
         if generation.improved:
@@ -194,7 +195,7 @@ class _Run:
     def _record_finding(self, finding: Finding) -> None:
         now = time.time_ns()
         message = audit_message(finding, now * 1e-9)
-        self.recorder.write("evolution/audit", message, now)
+        self.recorder.write(topics.AUDIT.name, message, now)
         self.audits.publish(message)
         verdict = audit.verdict_of(finding.audit)
         if finding.champion is self.champion:
@@ -257,7 +258,7 @@ class _Run:
             gait = analyse(track_of_performance(performance, self.options.task)).gait
         except GaitError as error:
             return f"none, {error}"
-        self.recorder.write("gait", gait_message(gait), time.time_ns(), latched=True)
+        self.recorder.write(topics.GAIT.name, gait_message(gait), time.time_ns())
         return headline(gait)
 
 

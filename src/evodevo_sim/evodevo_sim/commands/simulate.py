@@ -94,16 +94,17 @@ def record_motion(recorder, own, motion: Motion, stamp: int) -> None:
     """Write a motion to a `Recorder` from `stamp` ns on, in about 60 frames a second."""
     from ..own_body.motion import FRAME
     from ..ros.messages import body_message, cell_states_message, scene_message
+    from ..ros.topics import BODY, CELL_STATES, SCENE
 
-    recorder.write("body", body_message(own.body), stamp, latched=True)
+    recorder.write(BODY.name, body_message(own.body), stamp)
     if motion.world is not None:
-        recorder.write("scene", scene_message(motion.world), stamp, latched=True)
+        recorder.write(SCENE.name, scene_message(motion.world), stamp)
     every = max(1, round(FRAME / (motion.time[1] - motion.time[0]))) if len(motion.time) > 1 else 1
     frames = range(0, len(motion.time), every)
     for k in (*frames, *({len(motion.time) - 1} - {frames[-1]})):
         seconds = float(motion.time[k])
         message = cell_states_message(motion.position[k], motion.velocity[k], motion.activation[k], k, seconds)
-        recorder.write("cell_states", message, stamp + round(seconds * 1e9))
+        recorder.write(CELL_STATES.name, message, stamp + round(seconds * 1e9))
 
 
 def save_motion(path: str | os.PathLike, motion: Motion) -> None:

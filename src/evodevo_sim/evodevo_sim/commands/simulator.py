@@ -17,6 +17,7 @@ names in the namespace:
             pause     std_srvs/srv/SetBool        hold the animat, or let it go on; a loaded one is never held
             reset     std_srvs/srv/Trigger        back to birth, held if it was
   topics    body, cell_states                     of the live animat; body is latched
+            actuation                             what its muscles are told, each control step, where somebody listens
             target_pose (subscribed)              geometry_msgs/PoseStamped; the last good one holds
 
 parameters, e.g. -p publish_every:=4

@@ -9,12 +9,9 @@ from pathlib import Path
 
 import numpy as np
 import rclpy
-from geometry_msgs.msg import PoseStamped
 from rclpy.experimental import EventsExecutor
-from rclpy.qos import qos_profile_sensor_data
 from tqdm import tqdm
 
-from evodevo_msgs.msg import Body, CellStates
 from evodevo_msgs.srv import Load
 
 from ..command_process import exit_code, heeded
@@ -29,8 +26,8 @@ from ..ros.environment import started
 from ..ros.messages import genome_message, target_message, task_message
 from ..ros.own_simulators import OwnSimulators
 from ..ros.process import stay_on_this_host
+from ..ros.topics import ACTUATION, BODY, CELL_STATES, TARGET_POSE, Topic
 from ..view.files import OutputError
-from .simulator import LATCHED, NEWEST
 
 _START = 90.0  # s for a simulator of our own to start; it may have to compile
 _ANSWER = 10.0  # s for a simulator of the graph to answer
@@ -99,6 +96,7 @@ class Chase:
         self.closest: list[float] = []
         self.target = None
         self.ended = False
+        self._answer, self._lives = None, False
         self._since, self._step = 0.0, -1
         self._bar = None
 
@@ -109,15 +107,17 @@ class Chase:
         executor.add_node(node)
         own = None if self.given.simulator else stack.enter_context(OwnSimulators(1, owner="chase", task="chemotaxis"))
         namespace = (own.namespaces[0] if own else "/" + self.given.simulator.strip("/")).rstrip("/")
-        self._publisher = node.create_publisher(PoseStamped, f"{namespace}/target_pose", NEWEST)
+        self._publisher = node.create_publisher(TARGET_POSE.type, TARGET_POSE.at(namespace), TARGET_POSE.quality)
         self._node = node
         loader = node.create_client(Load, f"{namespace}/load")
         self._wait(executor, loader.service_is_ready, own, f"no simulator answers at {namespace}: start one, or leave --simulator out")
         callbacks = Callbacks(node, through=(OSError, RecordingError, OutputError))
-        callbacks.subscription(Body, f"{namespace}/body", self._embody, LATCHED)
-        callbacks.subscription(CellStates, f"{namespace}/cell_states", self._follow, qos_profile_sensor_data)
+        callbacks.subscription(BODY.type, BODY.at(namespace), self._embody, BODY.quality)
+        callbacks.subscription(CELL_STATES.type, CELL_STATES.at(namespace), self._follow, CELL_STATES.quality)
+        if self.recorder:  # a simulator makes these messages only where somebody listens
+            callbacks.subscription(ACTUATION.type, ACTUATION.at(namespace), self._actuate, ACTUATION.quality)
         self._wait(
-            executor, lambda: self._publisher.get_subscription_count() and node.count_publishers(f"{namespace}/cell_states"), own,
+            executor, lambda: self._publisher.get_subscription_count() and node.count_publishers(CELL_STATES.at(namespace)), own,
             f"{namespace} is no simulator",
         )
         c = self.champion
@@ -125,7 +125,7 @@ class Chase:
             task=task_message(c.task), seed=c.seed, genome=genome_message(c.genome), real_time_factor=self.given.real_time_factor
         )
         with tqdm(total=self.most, unit="target", disable=self.given.quiet, leave=False) as self._bar:
-            answer = loader.call_async(request)
+            self._answer = answer = loader.call_async(request)
             self._wait(executor, answer.done, own, "the simulator does not answer")
             if answer.done() and not answer.result().success:
                 raise ParameterError(brief(f"{self.given.source}: {answer.result().message}"))
@@ -149,13 +149,13 @@ class Chase:
                 raise ParameterError(otherwise)
 
     def _embody(self, message) -> None:
-        self._write("body", message, latched=True)
+        self._write(BODY, message)
         if self.view:
             self.view.embody(message)
 
     def _follow(self, message) -> None:
         """One control step's cells: captured? the next target?"""
-        if self.ended or not len(message.position_x) or message.step <= self._step:
+        if self.ended or not self._is_ours(message) or not len(message.position_x) or message.step <= self._step:
             return
         position = np.column_stack((message.position_x, message.position_y))
         if not np.isfinite(position).all():
@@ -172,9 +172,18 @@ class Chase:
                 self._bar.update()
         if self.target is None:
             self._aim(centre, now)
-        self._write("cell_states", message)
+        self._write(CELL_STATES, message)
         if self.view:
             self.view.show(now, position, np.asarray(message.activation), self.target, self.captured)
+
+    def _actuate(self, message) -> None:
+        if self._is_ours(message) and not self.ended:
+            self._write(ACTUATION, message)
+
+    def _is_ours(self, message) -> bool:
+        """Whether it is of our animat: another one may live on the simulator until ours is born, at step 0."""
+        self._lives = self._lives or (self._answer is not None and (message.step == 0 or self._answer.done()))
+        return self._lives
 
     def _aim(self, centre, now: float) -> None:
         target = None if self.sent == self.most else self.targets.following(centre)
@@ -185,12 +194,12 @@ class Chase:
         self.closest.append(float(np.hypot(*(centre - target))))
         message = target_message(target, self._node.get_clock().now().to_msg())
         self._publisher.publish(message)
-        self._write("target_pose", message, latched=True)
+        self._write(TARGET_POSE, message)
         self._bar.set_postfix_str(f"{self.captured} captured", refresh=False)
 
-    def _write(self, topic, message, latched=False) -> None:
+    def _write(self, topic: Topic, message) -> None:
         if self.recorder:
-            self.recorder.write(topic, message, time.time_ns(), latched=latched)
+            self.recorder.write(topic.name, message, time.time_ns())
 
     def _report(self) -> None:
         if not self.sent:

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import math
 
-from geometry_msgs.msg import PoseStamped
 from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
 from std_srvs.srv import SetBool, Trigger
 
-from evodevo_msgs.msg import Body, CellStates
 from evodevo_msgs.srv import Evaluate, Load
 
 from ..genetics.genome import Genome, GenomeError
@@ -19,18 +16,17 @@ from ..live.animat import Animat, NotViable, Stage, check_pace
 from ..parameters import ParameterError, default_task
 from ..ros.barrier import Callbacks, Desk, brief, told
 from ..ros.messages import (
+    actuation_message,
     body_message,
     cell_states_message,
     evaluation_message,
     genome_from_message,
     task_of_request,
 )
+from ..ros.topics import ACTUATION, BODY, CELL_STATES, TARGET_POSE
 from ..task_kinds import names
 from ..tasks.evaluation import evaluate, invalid, prepare
 from ..tasks.outcome import Evaluation
-
-LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 
 
 class Simulator(Node):
@@ -55,11 +51,12 @@ class Simulator(Node):
         self._callbacks = Callbacks(self)
         self._evaluations, self._births = Desk("evaluations"), Desk("births")
 
-        self._body = self.create_publisher(Body, "body", LATCHED)
-        self._states = self.create_publisher(CellStates, "cell_states", qos_profile_sensor_data)
+        self._body = self.create_publisher(BODY.type, BODY.name, BODY.quality)
+        self._states = self.create_publisher(CELL_STATES.type, CELL_STATES.name, CELL_STATES.quality)
+        self._actuation = self.create_publisher(ACTUATION.type, ACTUATION.name, ACTUATION.quality)
         self._shown = None
-        self._stage = Stage(self._show, self._report, every)
-        self._callbacks.subscription(PoseStamped, "target_pose", self._aim, NEWEST)
+        self._stage = Stage(self._show, self._report, every, self._act)
+        self._callbacks.subscription(TARGET_POSE.type, TARGET_POSE.name, self._aim, TARGET_POSE.quality)
         self._callbacks.service(Evaluate, "evaluate", self._evaluate, self._evaluations)
         self._callbacks.service(Load, "load", self._load, self._births)
         self._callbacks.service(SetBool, "pause", self._pause)
@@ -176,6 +173,11 @@ class Simulator(Node):
             self._states.publish(
                 cell_states_message(animat.position, animat.velocity, animat.activation, animat.steps, animat.time, self._frame)
             )
+
+    def _act(self, animat):
+        """In the stage's thread, after each control step: publish what the muscles were told in it, if somebody listens."""
+        if self._actuation.get_subscription_count():
+            self._actuation.publish(actuation_message(animat.activation, animat.steps, animat.time, self._frame))
 
     def _report(self, cause):
         self._shown = None
