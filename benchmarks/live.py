@@ -37,6 +37,7 @@ def full_grown(task):
                 return genome
         except NotViable:
             continue
+    raise SystemExit(f"no random genome fills {task.development.max_cells} cells: give fewer by --cells")
 
 
 def main():

@@ -158,7 +158,7 @@ def resting(task, genomes):
         seconds = best(race({
             "birth": alive,
             "exit": lambda: evaluate(genome, task),  # noqa: B023
-            "full": lambda: live_on(alive(), task.control_steps, task.control_step, development, continual),  # noqa: B023
+            "full": lambda: live_on(alive(), task.control_steps, task.control_step, development, continual),
         }, 2, "resting"))
         rows.append({"seed": seed - 1, "rests": evaluation.status == Status.RESTING, "at_step": rested, "moved_after_m": apart,
                      **{f"{name}_ms": 1e3 * value for name, value in seconds.items()}})

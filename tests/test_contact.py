@@ -54,7 +54,7 @@ def test_a_block_at_rest_stays(angle):
 def test_a_block_slides_at_g_sin_minus_mu_cos(angle, friction):
     system, position, along, _ = block(angle, friction)
     p, v = march(system, 240, position, np.zeros_like(position))
-    q, w = march(system, 960, p, v)
+    _q, w = march(system, 960, p, v)
     downhill = -along * np.sign(angle)
     gained = downhill @ (w - v).mean(axis=1) / (960 * H)
     assert gained == pytest.approx(G * (np.sin(abs(angle)) - friction * np.cos(angle)), rel=0.01)

@@ -455,7 +455,7 @@ def test_a_damaged_entry_is_compiled_anew_and_said_in_one_line(own, capfd, damag
     assert module.times(3.0) == 7.0 and hits(module.times) == 0
     told = capfd.readouterr().err
     assert told.count("\n") == (damage is not made_a_dangling_link) and len(told) <= 300
-    assert not told or "is damaged" in told and "compiled anew" in told and path.name in told
+    assert not told or ("is damaged" in told and "compiled anew" in told and path.name in told)
     module = own()
     assert module.times(3.0) == 7.0 and hits(module.times) == 1 and not capfd.readouterr().err
 

@@ -307,7 +307,7 @@ def test_ctrl_c_ends_the_viewer_and_leaves_nothing(bags, tmp_path):
         shown = process.stdout.readline()
         assert shown.startswith("shown") and os.path.exists(shown.split()[1]), shown
         process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=DEADLINE)  # ends when the viewer, too, has closed its output
+        _out, err = process.communicate(timeout=DEADLINE)  # ends when the viewer, too, has closed its output
     finally:
         process.kill()
         process.wait()

@@ -245,12 +245,12 @@ def test_a_live_animat_follows_the_last_good_target_whatever_else_comes():
         for bad in (pose(float("nan")), pose(1.0, float("inf")), pose(1.0, frame="moon"), pose(1.0, frame=""), pose(1.0, sec=1), pose(1.0, sec=-1), pose(1.0, sec=now.sec + 1000)):
             publisher.publish(bad)
             asked = states[-1].step
-            operator.until(lambda: states[-1].step > asked + 5)
+            operator.until(lambda asked=asked: states[-1].step > asked + 5)
         assert "instead" in operator.call(Load, f"{namespace}/load", **request).message  # and the target stays
         operator.until(lambda: 30 <= states[-1].step < asked)
         process.terminate()
         _, stderr = process.communicate(timeout=DEADLINE)
-    second = [k for k in range(1, len(states)) if states[k].step < states[k - 1].step][0]
+    second = next(k for k in range(1, len(states)) if states[k].step < states[k - 1].step)
     animat = Animat(pulsing_smeller(), task)
     animat.target = (3.0, 1.0)
     seen = {message.step: message for message in states[second:]}

@@ -174,7 +174,7 @@ def test_a_genome_that_takes_too_much_memory_in_a_task_is_refused_before_any_of_
     assert needed(genome, task) > MOST_MEMORY
     evaluation = evaluate(genome, task)
     assert evaluation.status == Status.INVALID_GENOME and "lower development.max_cells" in evaluation.cause and len(evaluation.cause) <= 300
-    with pytest.raises(NotViable, match="lower development.max_cells"):
+    with pytest.raises(NotViable, match=r"lower development.max_cells"):
         Animat(genome, task)
 
 

@@ -169,7 +169,7 @@ def test_noise_is_that_of_its_seed_and_without_it_no_bit_changes():
     one = {name: perform(dividing(), with_settings(TASK, {name: 0.1}), 2) for name in ("noise.concentrations", "noise.actuation")}
     assert [p.evaluation.metrics.activation_amplitude > 0.01 for p in one.values()] == [True, False]
     assert all(np.abs(p.velocity[100:]).max() > 0.1 for p in one.values())
-    with pytest.raises(ParameterError, match="noise.sensing is 0.5: leave it at 0 where the task is walk"):
+    with pytest.raises(ParameterError, match=r"noise.sensing is 0.5: leave it at 0 where the task is walk"):
         with_settings(TASK, {"noise.sensing": 0.5})
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 _HOLE = 3.5  # usual frames, farther apart than which two frames have a hole between them
@@ -16,7 +18,7 @@ def holes(time) -> np.ndarray:
 def longest_stretch(time) -> slice:
     """The frames of the longest stretch without a hole, in time."""
     ends = [-1, *holes(time), len(time) - 1]
-    first, last = max(((a + 1, b) for a, b in zip(ends, ends[1:])), key=lambda pair: time[pair[1]] - time[pair[0]])
+    first, last = max(((a + 1, b) for a, b in itertools.pairwise(ends)), key=lambda pair: time[pair[1]] - time[pair[0]])
     return slice(int(first), int(last) + 1)
 
 

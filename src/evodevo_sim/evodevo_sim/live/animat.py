@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import queue
 import threading
 import time
@@ -170,10 +171,8 @@ class Stage:
             cause = f"unexpectedly: {error!r}"
         if cause:
             self._animat, self._paused = None, False
-            try:
+            with contextlib.suppress(Exception):  # nobody is left to be told
                 self._stopped(cause)
-            except Exception:  # nobody is left to be told
-                pass
 
     def _enter(self, animat, interval):
         others = self._animat is not None

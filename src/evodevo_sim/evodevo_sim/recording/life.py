@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -198,7 +199,7 @@ def _parts(body) -> dict:
     starts, cells = np.array(body.chamber_start, int), np.array(body.chamber_cell, int)
     if cells.size and cells.max() >= body.cells:
         raise IndexError
-    chambers = [cells[first:last] for first, last in zip(starts, starts[1:])]
+    chambers = [cells[first:last] for first, last in itertools.pairwise(starts)]
     return {"springs": _springs(body), "outline": _pairs(body.outline_a, body.outline_b, body.cells), "chambers": chambers}
 
 

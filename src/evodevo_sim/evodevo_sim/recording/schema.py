@@ -16,7 +16,7 @@ _SIMPLE = {
     "bool", "float32", "float64", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "string", "wstring",
 }
 _SAME = {"byte": "uint8", "char": "uint8"}  # the same bytes
-_IMPLIED = {name: (("sec", "int32"), ("nanosec", "uint32")) for name in ("builtin_interfaces/Time", "builtin_interfaces/Duration")}
+_IMPLIED = dict.fromkeys(("builtin_interfaces/Time", "builtin_interfaces/Duration"), (("sec", "int32"), ("nanosec", "uint32")))
 
 Types = dict[str, tuple[tuple[str, str], ...]]
 

@@ -51,7 +51,7 @@ class Recorder:
         self._first, self._last = 2**63, 0
         try:
             self.directory.mkdir(parents=True)
-            self._file = open(self.directory / self._name, "wb")
+            self._file = open(self.directory / self._name, "wb")  # noqa: SIM115  (closed by `close`)
         except FileExistsError:
             raise RecordingError(f"{self.directory} exists already and is never overwritten: choose another directory") from None
         except OSError as error:

@@ -43,7 +43,8 @@ class OwnSimulators:
                 # A session of their own: Ctrl-C reaches us alone, and we end them in good order.
                 self._processes.append(
                     subprocess.Popen(
-                        command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True, preexec_fn=_end_with_parent
+                        command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True,
+                        preexec_fn=_end_with_parent,  # noqa: PLW1509  (it takes no lock: a call of the system alone)
                     )
                 )
         return self
@@ -64,6 +65,8 @@ class OwnSimulators:
         self._processes.clear()
 
 
-def _end_with_parent():
-    PR_SET_PDEATHSIG = 1
-    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+_PR_SET_PDEATHSIG = 1  # of prctl(2)
+
+
+def _end_with_parent() -> None:
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)

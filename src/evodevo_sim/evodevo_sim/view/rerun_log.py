@@ -162,7 +162,7 @@ def _log_world(stream, life: Life) -> None:
 
 
 def _log_curves(stream, life: Life) -> None:
-    for k, (cell, colour) in enumerate(zip(contrasting_cells(life.activation), (ACCENT, SECOND))):
+    for cell, colour in zip(contrasting_cells(life.activation), (ACCENT, SECOND)):
         entity = f"plots/activation/cell_{cell}"
         _log_curve(stream, entity, _at(life.time), life.activation[:, cell], f"cell {cell}", colour)
     _log_curve(stream, "plots/distance", _at(life.time), life.distance, "centre of mass", THIRD)

@@ -73,7 +73,7 @@ def opened(*arguments: str | os.PathLike):
         homes = {"XDG_CONFIG_HOME": settings, "XDG_DATA_HOME": settings}
         environment = {"RUST_LOG": "error"} | os.environ | homes
         # The viewer sends statistics of its use to its makers unless its settings say not to, which this command writes.
-        subprocess.run([program, "analytics", "disable"], env=environment, capture_output=True)
+        subprocess.run([program, "analytics", "disable"], env=environment, capture_output=True, check=False)
         viewer = subprocess.Popen([program, "--bind", "127.0.0.1", *arguments], env=environment)
         try:
             yield viewer
