@@ -42,7 +42,9 @@ def _evaluation(message) -> Evaluation:
                 raise AnswerError(f"it answers a {name} of {getattr(part, name)}")
     failed = status in FAILURE
     if (failed and fitness != FAILURE[status][0]) or failed != bool(cause):
-        raise AnswerError(f"it answers a fitness of {fitness:g} {'with' if cause else 'without'} a cause of failure for the status {status.name}")
+        raise AnswerError(
+            f"it answers a fitness of {fitness:g} {'with' if cause else 'without'} a cause of failure for the status {status.name}"
+        )
     return evaluation if len(cause) <= 300 else dataclasses.replace(evaluation, cause=brief(cause))
 
 

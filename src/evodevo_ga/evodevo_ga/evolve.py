@@ -143,7 +143,8 @@ class _Run:
 
     def _find(self) -> list[str]:
         """The simulators on the graph.  Discovery goes on in threads of its own since the node began, also while we compiled."""
-        found, until = [], max(self.began + self.options.look, time.monotonic() + _MORE)
+        found: list[str] = []
+        until = max(self.began + self.options.look, time.monotonic() + _MORE)
         while time.monotonic() < until and not self.stop():
             services = find_simulators(self.node)
             if services != found:
@@ -171,7 +172,8 @@ class _Run:
                 with self.times(RECORDING):
                     self._record(generation, rate)
                 bar.set_postfix_str(
-                    f"best {generation.best:.3f}, median {generation.median:.3f}, diversity {generation.diversity:.2f}, {rate:.0f} evaluations/s",
+                    f"best {generation.best:.3f}, median {generation.median:.3f}, diversity {generation.diversity:.2f}, "
+                    f"{rate:.0f} evaluations/s",
                     refresh=False,
                 )
                 bar.update()
@@ -181,16 +183,17 @@ class _Run:
         message = statistics_message(generation, rate, now * 1e-9)
         self.recorder.write("evolution/statistics", message, now)
         if generation.improved:
-            self.champion, self.verdict = self.evolution.champion, _NOT_AUDITED
-            champion = champion_message(generation.generation, self.champion, now * 1e-9)
-            self.recorder.write("evolution/champion", champion, now)
+            champion = self.champion = self.evolution.champion
+            self.verdict = _NOT_AUDITED
+            told = champion_message(generation.generation, champion, now * 1e-9)
+            self.recorder.write("evolution/champion", told, now)
         self.recorder.flush()  # before anybody hears of it
         self.statistics.publish(message)
         if generation.improved:
-            self.champions.publish(champion)
-            _save(self.options, generation.generation, self.champion, self.verdict)
-            if self.options.task.kind.audit is not None and not self.champion.evaluation.cause:
-                self.auditor.submit(generation.generation, self.champion)
+            self.champions.publish(told)
+            _save(self.options, generation.generation, champion, self.verdict)
+            if self.options.task.kind.audit is not None and not champion.evaluation.cause:
+                self.auditor.submit(generation.generation, champion)
         while self.auditor.ready:
             self._record_finding(self.auditor.next_finding())
 
@@ -215,10 +218,10 @@ class _Run:
             self._record_finding(self.auditor.next_finding())
 
     def _finish(self) -> int:
-        if not self.evolution.population:
+        champion = self.champion
+        if champion is None:  # it is found with the first generation
             print(f"Stopped before the first generation: {self.options.out} holds the settings alone.")
             return 130
-        champion = self.champion
         with self.times(AUDITS):
             self._finish_audits()
         with self.times(CHAMPION):
@@ -232,7 +235,8 @@ class _Run:
             print(f"evolve: {self._why_nothing_evolved()}", file=sys.stderr)
         print(
             f"{self.evolution.generation + 1} generations, {self.evolution.evaluations} evaluations. "
-            f"{'Champion' if viable else 'Best of those that failed'}: fitness {champion.evaluation.fitness:.3f}, {m.cells} cells, {m.chambers} chambers, "
+            f"{'Champion' if viable else 'Best of those that failed'}: fitness {champion.evaluation.fitness:.3f}, "
+            f"{m.cells} cells, {m.chambers} chambers, "
             f"{m.distance:.2f} cell diameters in all, {m.distance_second_half:.2f} in the second half, "
             f"activation amplitude {m.activation_amplitude:.2f}.\n"
             f"Audit:    {self.verdict}\n"

@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from collections import Counter, deque
 from dataclasses import dataclass, field
+from typing import Any
 
 from evodevo_sim.ros.barrier import brief, told
 from evodevo_sim.ros.messages import genome_message, task_message
@@ -54,8 +55,8 @@ def batches(count: int, servers: int) -> list[list[int]]:
 @dataclass
 class _Request:
     genomes: list[int]  # places in the generation
-    server: object
-    future: object
+    server: Any  # a client of rclpy
+    future: Any  # of rclpy
     deadline: float
 
 
@@ -122,7 +123,7 @@ class Fleet:
         work = _Generation(genomes, task, seed, deque(batches(len(genomes), len(self._servers))), [None] * len(genomes))
         while self._share(work, stop):
             if self._best_is_right(work, best):
-                return work.results
+                return [one for one in work.results if one is not None]  # all, since nothing waits
         return None
 
     def _share(self, work: _Generation, stop) -> bool:
@@ -211,13 +212,15 @@ class Fleet:
 
     def _best_is_right(self, work: _Generation, best: float) -> bool:
         """Whether the best of a generation, if it is better than `best`, is so by our own evaluation too; else who gave it is dropped."""
-        if not work.results:
+        found = [(one.fitness, -place, one) for place, one in enumerate(work.results) if one is not None]
+        if not found:
             return True
-        place = max(range(len(work.results)), key=lambda i: work.results[i].fitness)
-        if not work.results[place].fitness > best or place not in work.by:
+        fitness, place, evaluation = max(found, key=lambda of: of[:2])  # of equals the first one
+        place = -place
+        if not fitness > best or place not in work.by:
             return True
         try:
-            self._prove(place, work.results[place], work)
+            self._prove(place, evaluation, work)
         except AnswerError as error:
             self._reject(work.by[place], str(error), work)
             return False
@@ -252,6 +255,7 @@ class Fleet:
         self._servers.remove(server)
         if not self._servers:
             raise FleetError(
-                f"no simulator is left, the last one was {server.srv_name}: {brief(reason, 160)}: run again with --simulators 2 to start two"
+                f"no simulator is left, the last one was {server.srv_name}: {brief(reason, 160)}: "
+                "run again with --simulators 2 to start two"
             )
         self._node.get_logger().warning(brief(f"going on without simulator {server.srv_name}: {reason}"))
