@@ -145,7 +145,9 @@ def memory_of(genome: Genome, task: Task, track, target) -> float:
         effect = _rms(true[seen] - without[seen])
         if not effect > 1e-6:
             continue
-        histories = [tape[rng.permutation(moment)] for _ in range(_SHUFFLES - 1)] + [np.broadcast_to(tape[:moment].mean(0), tape[:moment].shape)]
+        histories = [tape[rng.permutation(moment)] for _ in range(_SHUFFLES - 1)] + [
+            np.broadcast_to(tape[:moment].mean(0), tape[:moment].shape)
+        ]
         for history in histories:
             other = actuation(genome, task, np.concatenate((history, tape[moment:]))[: seen.stop])
             shares.append(_rms(other[seen] - true[seen]) / effect)

@@ -74,7 +74,7 @@ def write_cells(path, analysis: Analysis) -> None:
     wave, contact = analysis.rhythm.wave, analysis.contact
     phase = np.angle(wave * np.conj(wave.sum())) if wave.any() else np.zeros(len(wave))
     columns = [range(len(wave)), *analysis.frame.shape.T, np.abs(wave), phase, analysis.limb.astype(int)]
-    names = _CELLS
+    names: tuple[str, ...] = _CELLS
     if contact is not None:
         columns.append(contact.duty)
         names += ("duty",)
