@@ -173,8 +173,8 @@ def _targets(recording: Recording, first: int, count: int) -> np.ndarray:
     points = [(message.pose.position.x, message.pose.position.y) for message in recording.targets]  # in the order of their times
     if not points or not count:
         return np.empty((0, 2))
-    points = np.array([(np.nan, np.nan), *points])
-    return points[np.searchsorted(recording.target_times, recording.state_times[first : first + count], side="right")]
+    latest = np.searchsorted(recording.target_times, recording.state_times[first : first + count], side="right")
+    return np.array([(np.nan, np.nan), *points])[latest]
 
 
 def _positions(state) -> np.ndarray:

@@ -28,7 +28,8 @@ def short(name: str) -> str:
 
 def types_of(name: str, text: str) -> Types:
     """Of a type and those that it is made of, from a `ros2msg` text: the (name, kind) of each field, in order."""
-    found, current = dict(_IMPLIED), short(name)
+    found: Types = dict(_IMPLIED)
+    current = short(name)
     for part in _PARTS.split(text):
         head = _HEAD.search(part)
         if head:
