@@ -28,8 +28,9 @@ class Way(NamedTuple):
 @dataclass(frozen=True, eq=False)
 class Run:
     """name; fitness, m; change of it, relative to the run as evolved; sustained, m: the part of fitness that is motion,
-    windows x slowest window, or the plain distance where that is the fitness; ledger: J by muscles, drag, damping, ground, or empty; gap: energy that the ledger does not explain, relative
-    to what drag and damping took; chamber: least S / S0; cause: why it failed; near: last distance of each target, m."""
+    windows x slowest window, or the plain distance where that is the fitness; ledger: J by muscles, drag, damping, ground, or
+    empty; gap: energy that the ledger does not explain, relative to what drag and damping took; chamber: least S / S0; cause: why
+    it failed; near: last distance of each target, m."""
 
     name: str
     fitness: float

@@ -37,7 +37,7 @@ def headings(seed, starts: int) -> np.ndarray:
     return np.column_stack((np.cos(angle), np.sin(angle)))
 
 
-def run(genome: Genome, task: Task, seed: int, finer: int, track, traces) -> Evaluation:
+def run(genome: Genome, task: Task, seed: int, finer: float, track, traces) -> Evaluation:
     """Evaluate a walker.  Args: seed: of its orientations at birth, and of noise; finer, track, traces: see `walk.walk`."""
     given, ledger = kernel_arguments(genome, task), np.zeros((task.starts, 0))
     return score(walk(*given, headings(seed, task.starts), finer, noise(task, seed), (track, traces), ledger), task)
