@@ -37,7 +37,10 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--task", default=names()[0], metavar="NAME", help=f"for a genome: {', '.join(names())} (default %(default)s)")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="for a genome: a number of its task")
     parser.add_argument(
-        "--within", type=real_number, metavar="X", help=f"change that still stands, relative (default {MOST_CHANGE}, of walkers {MOST_WALK_CHANGE})"
+        "--within",
+        type=real_number,
+        metavar="X",
+        help=f"change that still stands, relative (default {MOST_CHANGE}, of walkers {MOST_WALK_CHANGE})",
     )
     given = parser.parse_args(without_ros(parser, sys.argv[1:] if arguments is None else arguments))
     try:

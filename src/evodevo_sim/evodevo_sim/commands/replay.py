@@ -103,12 +103,12 @@ def _newest(directory: Path) -> Path:
     """The recording whose files were written last."""
     from ..recording import RecordingError
 
-    written = {}
+    written: dict[Path, float] = {}
     for file in (*directory.glob("**/*.mcap"), *directory.glob("**/*.db3")):
         written[file.parent] = max(file.stat().st_mtime, written.get(file.parent, 0.0))
     if not written:
         raise RecordingError(f"{directory}/ holds no recording: make one by `ros2 run evodevo_ga evolve`, or name one")
-    return max(written, key=written.get)
+    return max(written, key=written.__getitem__)
 
 
 def _beside(source: Path) -> Path:

@@ -159,14 +159,17 @@ class Stage:
             except BaseException as error:
                 future.set_exception(error)
 
-    def _step(self):
+    def _step(self) -> None:
         self._due = max(self._due + self._interval, time.monotonic() - _CATCH_UP)
+        animat = self._animat
+        if animat is None:
+            return
         try:
-            self._animat.target = self._target
-            self._animat.step()
-            if self._animat.steps % self.every == 0:
-                self._show(self._animat)
-            cause = self._animat.cause
+            animat.target = self._target
+            animat.step()
+            if animat.steps % self.every == 0:
+                self._show(animat)
+            cause = animat.cause
         except Exception as error:
             cause = f"unexpectedly: {error!r}"
         if cause:

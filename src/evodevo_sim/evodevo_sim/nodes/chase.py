@@ -8,6 +8,7 @@ import threading
 import time
 from contextlib import ExitStack
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import rclpy
@@ -64,10 +65,16 @@ def _parse(arguments):
     parser.add_argument("source", metavar="GENOME|BAG", help="a genome file, or the recording of a run")
     parser.add_argument("--targets", default="random", metavar="random|FILE|BAG", help="where targets come from (default %(default)s)")
     parser.add_argument("--count", type=whole_number, metavar="N", help="targets (default: 10 random ones, or all)")
-    parser.add_argument("--distance", type=real_number, nargs=2, default=(4.0, 12.0), metavar="M", help="of random targets, from and to (default 4 12)")
+    parser.add_argument(
+        "--distance", type=real_number, nargs=2, default=(4.0, 12.0), metavar="M", help="of random targets, from and to (default 4 12)"
+    )
     parser.add_argument("--seed", type=whole_number, default=1, metavar="N", help="of random targets (default %(default)s)")
-    parser.add_argument("--each", type=real_number, default=60.0, metavar="S", help="simulated seconds for each target (default %(default)s)")
-    parser.add_argument("--capture", type=real_number, default=3.0, metavar="M", help="distance that counts as captured (default %(default)s)")
+    parser.add_argument(
+        "--each", type=real_number, default=60.0, metavar="S", help="simulated seconds for each target (default %(default)s)"
+    )
+    parser.add_argument(
+        "--capture", type=real_number, default=3.0, metavar="M", help="distance that counts as captured (default %(default)s)"
+    )
     pace = "simulated s per s; beyond about 5, cell states are missed and targets come late (default %(default)s)"
     parser.add_argument("--real-time-factor", type=real_number, default=1.0, metavar="X", help=pace)
     parser.add_argument("--simulator", metavar="NAMESPACE", help="of a simulator node on the graph (default: one of our own)")
@@ -79,7 +86,8 @@ def _parse(arguments):
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
     given = parser.parse_args(without_ros(parser, arguments))
     for name, value, least, most in (
-        ("--each", given.each, 1e-3, 1e6), ("--capture", given.capture, 1e-3, 1e6), ("--count", 1 if given.count is None else given.count, 1, 10**9),
+        ("--each", given.each, 1e-3, 1e6), ("--capture", given.capture, 1e-3, 1e6),
+        ("--count", 1 if given.count is None else given.count, 1, 10**9),
         ("--real-time-factor", given.real_time_factor, 0.01, 100.0), ("--seed", given.seed, 0, 2**63),
     ):
         if not least <= value <= most:
@@ -97,7 +105,9 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         champion = champion_of(given.source, pairs(given.set), "chemotaxis", warn(parser.prog))
         if not champion.task.has_target:
-            raise ParameterError(f"{given.source} was evolved for {champion.task.name}, without targets: give its champion.yaml, or another run")
+            raise ParameterError(
+                f"{given.source} was evolved for {champion.task.name}, without targets: give its champion.yaml, or another run"
+            )
         targets = _targets(given)
         with ExitStack() as stack:
             view = _viewer(given, stack, champion)
@@ -150,10 +160,10 @@ class Chase:
         self.sent = self.captured = self.states = 0
         self.most = given.count or (10 if given.targets == "random" else None)
         self.closest: list[float] = []
-        self.target = None
+        self.target: np.ndarray | None = None
         self.ended = False
         self._since, self._step = 0.0, -1
-        self._bar = None
+        self._bar: Any = None  # of tqdm
 
     def run(self, stack) -> int:
         node = rclpy.create_node("chase")

@@ -141,9 +141,14 @@ class Simulator(Node):
         elif not (math.isfinite(point.x) and math.isfinite(point.y)):
             self._warn("number", f"target at ({point.x}, {point.y}) ignored: give finite metres")
         elif stamp < 0:
-            self._warn("negative", f"target with a stamp of {stamp * 1e-9:.9g} s ignored: stamp it with the time at which it is sent, or with 0")
+            self._warn(
+                "negative", f"target with a stamp of {stamp * 1e-9:.9g} s ignored: stamp it with the time at which it is sent, or with 0"
+            )
         elif age is None:
-            self._warn("clock", "target with a stamp ignored: use_sim_time is set, and no /clock has come yet: publish one, or stamp targets with 0")
+            self._warn(
+                "clock",
+                "target with a stamp ignored: use_sim_time is set, and no /clock has come yet: publish one, or stamp targets with 0",
+            )
         elif age > self._oldest:
             self._warn("past", f"target of {age:.3g} s ago ignored: stamp it with the time at which it is sent, or with 0")
         elif age < -self._oldest:

@@ -17,8 +17,8 @@ MOST_TEXT = 300  # characters of what is said in an answer or in a line of the l
 _WARN_EVERY = 1.0  # s between lines of one kind
 
 
-def brief(text: str, most: int = MOST_TEXT) -> str:
-    """A text as one line of at most `most` characters."""
+def brief(text: object, most: int = MOST_TEXT) -> str:
+    """A text, or the text of an error, as one line of at most `most` characters."""
     line = " ".join(str(text)[: 4 * most].split())
     return line if len(line) <= most else line[: most - 3] + "..."
 
@@ -99,7 +99,7 @@ class Callbacks:
             except Exception as error:
                 self.warn(f"answer {name}", f"an answer of {name} was not sent: {told(error)}")
 
-        def later(waiting, header):
+        def later(waiting, header, desk=desk):
             desk.put(lambda: send(guarded(waiting.request), header))
 
         # Executors hand what the callback returns to `send_response`.

@@ -10,6 +10,7 @@ from __future__ import annotations
 from array import array
 from dataclasses import fields, is_dataclass
 from functools import cache
+from typing import Any
 
 import numpy as np
 from builtin_interfaces.msg import Time
@@ -167,8 +168,8 @@ def _layout(cls):
 
 def _message(value):
     """The message of a dataclass of the same name, nested ones with it."""
-    cls = type(value)
-    given = {}
+    cls: Any = type(value)
+    given: dict[str, Any] = {}
     for name, nested, profile in _layout(cls):
         if not profile:
             given[name] = _message(getattr(value, name)) if nested else getattr(value, name)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import socket
+import subprocess
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -34,7 +35,8 @@ class LiveView:
         self._name, self._path, self._viewer, self._reach, self._palette = name, path, viewer, reach, palette
         self._pairs = np.empty((0, 2), int)
         self._target = None
-        self._stack, self._process = ExitStack(), None
+        self._stack = ExitStack()
+        self._process: subprocess.Popen | None = None
 
     def __enter__(self) -> LiveView:
         import rerun as rr
@@ -42,7 +44,7 @@ class LiveView:
         self._rr = rr
         with switched_on():
             self._stream = rr.RecordingStream(f"evodevo {self._name}")
-        sinks = [rr.FileSink(str(self._path))] if self._path else []
+        sinks: list[rr.FileSink | rr.GrpcSink] = [rr.FileSink(str(self._path))] if self._path else []
         if self._viewer:
             port = _free_port()
             self._process = self._stack.enter_context(opened("--port", str(port)))

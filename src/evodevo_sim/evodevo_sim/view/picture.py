@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
@@ -22,7 +24,7 @@ _LEGEND = 2.6  # inches, width of the scale of colours
 _TALLEST = {FRAMES: 2.4, FRAMES // 2: 4.6}  # inches, of the swim's frames, by columns
 _LINE = 160  # characters below the name
 _CYCLES = 8.0  # periods of the muscles to show
-STYLE = {
+STYLE: Any = {
     "font.family": "sans-serif", "font.size": 9, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True,
     "grid.color": "0.93", "axes.axisbelow": True, "axes.edgecolor": "0.6", "axes.titlesize": 10.5, "axes.titleweight": "bold",
     "axes.titlelocation": "left", "axes.titlepad": 9, "text.color": unit_rgb(INK), "axes.labelcolor": unit_rgb(INK),

@@ -23,7 +23,9 @@ def save_turning(found: list[tuple[str, Turning]], path, palette: str = DEFAULT)
     with matplotlib.rc_context(STYLE):
         figure = Figure((3 * _COLUMN, _ROW * len(found) + 1.1), dpi=125, facecolor="white")
         grid = figure.subplots(len(found), 3, squeeze=False)
-        figure.subplots_adjust(left=0.02, right=0.97, top=1 - 0.75 / figure.get_figheight(), bottom=0.5 / figure.get_figheight(), hspace=0.3)
+        figure.subplots_adjust(
+            left=0.02, right=0.97, top=1 - 0.75 / figure.get_figheight(), bottom=0.5 / figure.get_figheight(), hspace=0.3
+        )
         for axes, (name, one) in zip(grid, found):
             _champion(axes, name, one, _colour_map(palette))
         title = "Change of mean activation in a turn; the way without a target points up"

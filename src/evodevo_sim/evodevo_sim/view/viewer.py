@@ -67,8 +67,8 @@ def opened(*arguments: str | os.PathLike):
     import rerun_cli
 
     # The program itself: its Python wrapper would leave it running when it is ended.
-    program = Path(rerun_cli.__file__).parent / "rerun"
-    program = str(program) if program.exists() else "rerun"
+    beside = Path(rerun_cli.__file__).parent / "rerun"
+    program = str(beside) if beside.exists() else "rerun"
     with tempfile.TemporaryDirectory(prefix="evodevo-") as settings:
         homes = {"XDG_CONFIG_HOME": settings, "XDG_DATA_HOME": settings}
         environment = {"RUST_LOG": "error"} | os.environ | homes
