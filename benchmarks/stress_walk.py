@@ -51,7 +51,7 @@ def run(system, work, control_steps, control_step, position, velocity, driven, g
         before = stored_energy(body, system.law, system.rest, system.gravity, then, v)[1]
         for i in range(muscle.size):
             if np.random.random() < pace:  # noqa: NPY002  (see above)
-                target[i] = gain * (2.0 * np.random.random() - 1.0)  # noqa: NPY002
+                target[i] = gain * (2.0 * np.random.random() - 1.0)  # noqa: NPY002  (likewise)
             muscle[i] += 0.3 * (target[i] - muscle[i])
         if driven:
             set_rest_lengths(body, muscle, system.rest)
@@ -114,8 +114,15 @@ def main():
         worst_gap, deepest, worst_ground = max(worst_gap, gap), min(deepest, low, high), max(worst_ground, ledger[3] / came)
         if not (np.isfinite(gain) and low > -1e-7 and high > -1e-7 and ledger[3] <= 1e-3 * came and gap < 0.05):
             broken.append((k, low, high, ledger[3], gap))
-    print(f"{options.count} bodies: {sum(stopped.values())} stopped with a cause (unstable {stopped.get(1, 0)}, inverted {stopped.get(2, 0)}); {len(broken)} broke a law")
-    print(f"deepest {deepest:.2e} m, most work by the ground {worst_ground:.2e} of what came in, most unexplained gain {worst_gap:.2%} of what came in")
+    print(
+        f"{options.count} bodies: {sum(stopped.values())} stopped with a cause "
+        f"(unstable {stopped.get(1, 0)}, inverted {stopped.get(2, 0)}); "
+        f"{len(broken)} broke a law"
+    )
+    print(
+        f"deepest {deepest:.2e} m, most work by the ground {worst_ground:.2e} of what came in, "
+        f"most unexplained gain {worst_gap:.2%} of what came in"
+    )
     for row in broken[:20]:
         print("body {}: room below {:.2e}, above {:.2e}, ground {:.2e} J, unexplained {:.2%}".format(*row))
     return 1 if broken else 0

@@ -126,7 +126,9 @@ def test_every_file_whose_code_numba_was_given_counts():
 def test_what_no_kernel_depends_on_does_not_count():
     names = {path.relative_to(PACKAGE.resolve()).as_posix() for path in _jit.kernel_sources()}
     assert "parameters.py" in names
-    assert not names & {"__init__.py", "ros/messages.py", "tasks/evaluation.py", "analysis/gait/contact.py", "view/picture.py", "nodes/simulator.py"}
+    assert not names & {
+        "__init__.py", "ros/messages.py", "tasks/evaluation.py", "analysis/gait/contact.py", "view/picture.py", "nodes/simulator.py",
+    }
 
 
 TREE = {

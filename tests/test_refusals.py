@@ -219,7 +219,8 @@ def test_a_node_is_as_the_model_through_odd_requests(lab):
         else:
             message = PoseStamped()
             message.header.frame_id = rng.choice(["world", "moon", "x" * 100_000])
-            message.header.stamp.sec, message.pose.position.x = int(rng.integers(-(2**31), 2**31)), float(rng.choice([math.nan, 1e308, 1.0]))
+            message.header.stamp.sec = int(rng.integers(-(2**31), 2**31))
+            message.pose.position.x = float(rng.choice([math.nan, 1e308, 1.0]))
             lab.publisher.publish(message)
     assert silent(lab) if model.paused else heard(lab) is None
 

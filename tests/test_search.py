@@ -138,7 +138,11 @@ def test_a_state_that_is_damaged_anywhere_is_refused_in_one_line():
                 holder[last] = damage
             elif isinstance(holder, dict):
                 del holder[last]
-            if (isinstance(holder, list) and damage == "lost") or (last == "cause" and damage == "x") or ("operators" in path and damage == "x"):
+            if (
+                (isinstance(holder, list) and damage == "lost")
+                or (last == "cause" and damage == "x")
+                or ("operators" in path and damage == "x")
+            ):
                 continue  # a shorter list, another text: as whole as it was
             with pytest.raises((ParameterError, GenomeError)) as refused:
                 Evolution.resumed(state)

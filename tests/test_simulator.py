@@ -242,7 +242,15 @@ def test_a_live_animat_follows_the_last_good_target_whatever_else_comes():
         publisher.publish(good)
         asked = states[-1].step
         operator.until(lambda: states[-1].step > asked + 60)
-        for bad in (pose(float("nan")), pose(1.0, float("inf")), pose(1.0, frame="moon"), pose(1.0, frame=""), pose(1.0, sec=1), pose(1.0, sec=-1), pose(1.0, sec=now.sec + 1000)):
+        for bad in (
+            pose(float("nan")),
+            pose(1.0, float("inf")),
+            pose(1.0, frame="moon"),
+            pose(1.0, frame=""),
+            pose(1.0, sec=1),
+            pose(1.0, sec=-1),
+            pose(1.0, sec=now.sec + 1000),
+        ):
             publisher.publish(bad)
             asked = states[-1].step
             operator.until(lambda asked=asked: states[-1].step > asked + 5)
@@ -318,7 +326,9 @@ def test_bad_arguments_get_one_line_and_exit_code_2(arguments, says):
     assert [line.partition(":")[0] for line in result.stderr.splitlines() if not line.startswith("[WARN]")] == ["simulator"]
 
 
-@pytest.mark.parametrize("value, says", [(-1, "is -1"), (math.inf, "is inf"), (True, "is True"), ("soon", "is 'soon'"), (1e10, "is 1"), (-0.1, "is -0.1")])
+@pytest.mark.parametrize(
+    "value, says", [(-1, "is -1"), (math.inf, "is inf"), (True, "is True"), ("soon", "is 'soon'"), (1e10, "is 1"), (-0.1, "is -0.1")]
+)
 def test_a_time_that_cannot_be_is_refused_by_name(value, says):
     with Operator() as operator:
         node = rclpy.create_node("timed", context=operator.context, parameter_overrides=[rclpy.Parameter("target_age", value=value)])

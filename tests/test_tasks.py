@@ -94,7 +94,8 @@ def test_a_task_from_outside_is_evaluated_by_its_own_fitness():
 
 def test_a_task_from_outside_evolves_on_simulator_nodes(tmp_path):
     command = [
-        sys.executable, "-m", "evodevo_ga.evolve", "--task", "climb", "--generations", "1", "--population", "4", "--elite", "1", "--tournament",
+        sys.executable, "-m", "evodevo_ga.evolve", "--task", "climb", "--generations", "1", "--population", "4", "--elite", "1",
+        "--tournament",
         "2", "--simulators", "1", "--quiet", "--set", "control_steps=80", "--out", str(tmp_path / "run"),
         "--start", str(ROOT / "src/evodevo_sim/champions/walker.yaml"),
     ]

@@ -190,7 +190,9 @@ def test_children_of_the_longest_genomes_are_no_longer(seed, less):
 
 def test_a_run_beside_a_rogue_is_the_run_without_one(tmp_path):
     """The whole command: a node that flatters from its second answer on, one good one; then the flatterer alone."""
-    small = ["--generations", "3", "--population", "10", "--cells", "8", "--seed", "3", "--set", "control_steps=40", "--scheme", "panmictic"]
+    small = [
+        "--generations", "3", "--population", "10", "--cells", "8", "--seed", "3", "--set", "control_steps=40", "--scheme", "panmictic",
+    ]
     task = with_settings(Task(), {"development.max_cells": 8, "control_steps": 40})
     evolution = Evolution(Settings(generations=3, population=10), 3)
     while not evolution.finished:

@@ -220,8 +220,10 @@ def test_the_command_line_takes_worlds_and_starts(tmp_path, capsys):
     assert task.scene.friction == 0.3 and task.scene.ground_y == (1.0, -1.0) and task.starts == 3
     assert task.scene.gravity == default_task("walk").scene.gravity
     for arguments, says in (
-        (["--task", "walk", "--world", "ruff"], "did you mean 'rough'"), (["--world", "rough"], "a world is for the task walk"),
-        (["--task", "walk", "--set", "scene.friction=-1"], "scene.friction is -1"), (["--task", "walk", "--starts", "0"], "task.starts is 0"),
+        (["--task", "walk", "--world", "ruff"], "did you mean 'rough'"),
+        (["--world", "rough"], "a world is for the task walk"),
+        (["--task", "walk", "--set", "scene.friction=-1"], "scene.friction is -1"),
+        (["--task", "walk", "--starts", "0"], "task.starts is 0"),
         (["--task", "walk", "--set", "scene.ground_x=3"], "give a world"),
     ):
         with pytest.raises(SystemExit) as raised:
