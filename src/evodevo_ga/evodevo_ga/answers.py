@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import Any
 
 from evodevo_sim.ros.barrier import brief
 from evodevo_sim.ros.messages import evaluation_from_message
@@ -19,7 +20,7 @@ class AnswerError(ValueError):
     """An answer on which nothing can rest; the message says why, in one line."""
 
 
-def look_at(response, count: int) -> list[Evaluation]:
+def look_at(response: Any, count: int) -> list[Evaluation]:
     """The evaluations of an answer to a request of `count` genomes.  Raises AnswerError."""
     if response.error:
         raise AnswerError(brief(response.error))

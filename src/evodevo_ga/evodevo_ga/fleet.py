@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter, deque
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -36,7 +37,7 @@ class FleetError(RuntimeError):
     """No simulator can go on; the message says why and what to do."""
 
 
-def find_simulators(node) -> list[str]:
+def find_simulators(node: Any) -> list[str]:
     """The evaluate services on the graph.  Those in hidden namespaces (`/_...`) belong to other runs."""
     services = node.get_service_names_and_types()
     return sorted(name for name, types in services if SERVICE_TYPE in types and "/_" not in name)
@@ -84,7 +85,7 @@ class Fleet:
     Args: node, executor: of the caller, who owns them; services: names of `evaluate` services; times: told how long messages take.
     """
 
-    def __init__(self, node, executor, services: list[str], times: Times | None = None):
+    def __init__(self, node: Any, executor: Any, services: list[str], times: Times | None = None):
         self._times = times or Times()
         group = ReentrantCallbackGroup()
         self._executor = executor
@@ -95,7 +96,7 @@ class Fleet:
     def __len__(self) -> int:
         return len(self._servers)
 
-    def wait(self, seconds: float, alive=lambda: True, stop=lambda: False) -> None:
+    def wait(self, seconds: float, alive: Callable[[], bool] = lambda: True, stop: Callable[[], bool] = lambda: False) -> None:
         """Wait until every service answers, or `stop()`; those that do not in time are dropped.
 
         Raises FleetError when none answers, or when `alive()` says that one cannot.
@@ -111,7 +112,7 @@ class Fleet:
                 silent[0].wait_for_service(timeout_sec=0.05)
 
     def evaluate(
-        self, genomes: list[Genome], task: Task, seed: int, stop=lambda: False, best: float = float("-inf")
+        self, genomes: list[Genome], task: Task, seed: int, stop: Callable[[], bool] = lambda: False, best: float = float("-inf")
     ) -> list[Evaluation] | None:
         """Evaluate genomes in order; None when `stop()` said to stop.
 

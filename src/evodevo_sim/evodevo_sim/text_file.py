@@ -14,6 +14,7 @@ import os
 import re
 import stat
 from datetime import datetime, timedelta, timezone
+from typing import Any
 
 import yaml
 from yaml.events import (
@@ -86,7 +87,7 @@ def _decoded(data, path, error, give):
     return text
 
 
-def parsed(text: str, error: type[InputError]):
+def parsed(text: str, error: type[InputError]) -> Any:
     """What a text of YAML or JSON says: dicts with keys of text, lists, text, numbers, booleans and None.
 
     Args: error: what is raised, with the line or key, and the mend.

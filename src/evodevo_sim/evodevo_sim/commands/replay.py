@@ -93,8 +93,8 @@ def _replay(options: argparse.Namespace) -> int:
         print(f"replay: {viewer.NO_RERUN}", file=sys.stderr)
         return 0
     target = options.save or _beside(source)
-    with files.whole(target, ".rrd") as file, _bar("Saving") as step:
-        viewer.save(recording, life, file, step, options.palette)
+    with files.whole(target, ".rrd") as whole, _bar("Saving") as step:
+        viewer.save(recording, life, whole, step, options.palette)
     print(f"Saved {target}.  See it:   {viewer.COMMAND} {shlex.quote(str(target))}", flush=True)
     return viewer.show(target) if opens else 0
 

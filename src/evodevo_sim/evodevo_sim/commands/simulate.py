@@ -6,10 +6,11 @@ import os
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from ..own_body.body_file import BodyError, load_body
+from ..own_body.body_file import BodyError, OwnBody, load_body
 from ..own_body.motion import FRAME, SCENES, Motion, simulate_body
 from ..parameters import ParameterError
 from ..physics.stability import INTEGRATORS
@@ -85,7 +86,7 @@ def _refuse_existing(given):
         raise RecordingError(f"{given.npz}: its directory does not exist: make it, or choose another name")
 
 
-def record_motion(recorder, own, motion: Motion, stamp: int) -> None:
+def record_motion(recorder: Any, own: OwnBody, motion: Motion, stamp: int) -> None:
     """Write a motion to a `Recorder` from `stamp` ns on, in about 60 frames a second."""
     recorder.write("body", body_message(own.body), stamp, latched=True)
     if motion.world is not None:

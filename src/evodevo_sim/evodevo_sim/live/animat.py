@@ -6,6 +6,7 @@ import contextlib
 import queue
 import threading
 import time
+from collections.abc import Callable
 from concurrent.futures import Future
 
 from ..genetics.genome import Genome
@@ -87,7 +88,7 @@ class Stage:
     time, changes nothing.
     """
 
-    def __init__(self, show, stopped, every: int = 1):
+    def __init__(self, show: Callable[[Animat], None], stopped: Callable[[str], None], every: int = 1):
         self.every = every
         self._show, self._stopped = show, stopped
         self._asked: queue.SimpleQueue = queue.SimpleQueue()

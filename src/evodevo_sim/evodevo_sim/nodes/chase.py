@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import signal
 import sys
 import threading
@@ -154,7 +155,7 @@ class Chase:
     Attributes: sent, captured: numbers of targets; closest: m, the least distance to each; states: how many came.
     """
 
-    def __init__(self, given, champion: Champion, targets, recorder, view, stop):
+    def __init__(self, given: argparse.Namespace, champion: Champion, targets: Any, recorder: Any, view: Any, stop: threading.Event):
         self.given, self.champion, self.targets, self.recorder, self.view = given, champion, targets, recorder, view
         self.stop = stop
         self.sent = self.captured = self.states = 0
@@ -165,7 +166,7 @@ class Chase:
         self._since, self._step = 0.0, -1
         self._bar: Any = None  # of tqdm
 
-    def run(self, stack) -> int:
+    def run(self, stack: ExitStack) -> int:
         node = rclpy.create_node("chase")
         stack.callback(node.destroy_node)
         executor = EventsExecutor()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+from typing import Any
 
 from geometry_msgs.msg import PoseStamped
 from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
@@ -43,7 +44,7 @@ class Simulator(Node):
     Args: stop: an Event; set, a batch ends early.
     """
 
-    def __init__(self, stop):
+    def __init__(self, stop: Any):
         super().__init__("simulator")
         self._stop = stop
         self._frame = self.declare_parameter("frame_id", "world", _fixed("frame of positions and targets")).value
@@ -69,7 +70,7 @@ class Simulator(Node):
         self._callbacks.service(Trigger, "reset", self._reset)
         self.get_logger().info("ready")
 
-    def close(self):
+    def close(self) -> None:
         self._evaluations.close()
         self._births.close()
         self._stage.close()

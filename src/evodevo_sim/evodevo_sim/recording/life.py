@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -213,7 +214,7 @@ def _graphs(states: list, bodies: list) -> list[np.ndarray]:
     return [springs[k] if fit else none for k, fit in zip(latest, fits)]
 
 
-def contrasting_cells(activation) -> list[int]:
+def contrasting_cells(activation: np.ndarray) -> list[int]:
     """Two cells whose activations (T, N) differ most over the second half, among those that are active; or fewer.
 
     They show the phase gradient of a gait, as in the paper's Fig. 5.
@@ -228,7 +229,7 @@ def contrasting_cells(activation) -> list[int]:
     return list(dict.fromkeys((strongest, int(active[apart.argmax()]))))
 
 
-def period_of(life: Life, cells) -> float:
+def period_of(life: Life, cells: Any) -> float:
     """The main period of some cells' muscles in the second half of a life, s; infinity where there is none."""
     if len(life.time) < 3:
         return np.inf

@@ -7,6 +7,7 @@ import os
 import shutil
 import threading
 from pathlib import Path
+from typing import Any
 
 import yaml
 from mcap.writer import CompressionType, Writer
@@ -67,10 +68,10 @@ class Recorder:
     def __enter__(self) -> Recorder:
         return self
 
-    def __exit__(self, *_) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
-    def write(self, topic: str, message, stamp: int, latched: bool = False) -> None:
+    def write(self, topic: str, message: Any, stamp: int, latched: bool = False) -> None:
         """Append a message.
 
         Args: topic: absolute, or below `/`; message: of any ROS type; stamp: ns; latched: whether late readers want it.

@@ -34,7 +34,7 @@ class OwnSimulators:
     def alive(self) -> bool:
         return all(process.poll() is None for process in self._processes)
 
-    def __enter__(self):
+    def __enter__(self) -> OwnSimulators:
         log = open(self._log_path or os.devnull, "ab")
         with log:
             for namespace in self.namespaces:
@@ -49,7 +49,7 @@ class OwnSimulators:
                 )
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: object) -> None:
         self.end()
 
     def end(self) -> None:

@@ -7,6 +7,7 @@ import os
 import signal
 import sys
 import threading
+from collections.abc import Callable
 
 import rclpy
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
@@ -36,7 +37,7 @@ def without_ros(parser: argparse.ArgumentParser, arguments: list[str]) -> list[s
         parser.error(str(error).partition(", at ")[0])
 
 
-def run(make_node, parser: argparse.ArgumentParser, arguments: list[str] | None = None) -> int:
+def run(make_node: Callable, parser: argparse.ArgumentParser, arguments: list[str] | None = None) -> int:
     """Run a node until SIGINT or SIGTERM.
 
     Everything happens in a second thread, so that a signal is heard even while a kernel computes.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -54,7 +54,7 @@ class Motion:
     outcome: int
 
 
-def repeat_motion(body, task: Task, substeps: int, start, activation, way: Way, points: int) -> Motion:
+def repeat_motion(body: Any, task: Task, substeps: int, start: np.ndarray, activation: np.ndarray, way: Way, points: int) -> Motion:
     """Repeat a motion from rest, by the same muscles.
 
     Args: substeps: at rest; start (N, 2) m; activation (T + 1, N); points: of the path, after the start.

@@ -16,7 +16,7 @@ _UNDATED = {".png": {}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
 _STYLE: Any = {"pdf.fonttype": 42, "svg.fonttype": "path", "svg.hashsalt": "evodevo"}
 
 
-def save_figure(figure: Figure, path: str | os.PathLike, **options) -> None:
+def save_figure(figure: Figure, path: str | os.PathLike, **options: Any) -> None:
     """Save a figure in the format that the ending of `path` names, one of `files.PICTURES`.  Args: options: of `Figure.savefig`."""
     ending = Path(path).suffix.lower()
     with matplotlib.rc_context(_STYLE):

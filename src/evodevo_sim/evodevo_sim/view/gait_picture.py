@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import matplotlib
 import numpy as np
 from matplotlib.collections import EllipseCollection, LineCollection
@@ -25,7 +27,7 @@ _WIDTH, _DPI = 12.8, 125  # inches
 _STRIP, _CURVES, _LEFT, _TOP, _GAP = 2.3, 2.6, 0.4, 1.05, 0.75  # inches
 
 
-def save_gait(analysis: Analysis, name: str, path, palette: str = DEFAULT) -> None:
+def save_gait(analysis: Analysis, name: str, path: str | os.PathLike, palette: str = DEFAULT) -> None:
     """Draw a gait and save it as a picture.  Args: name: of what has it; path: its ending names the format."""
     contact = analysis.contact
     walks = contact is not None

@@ -7,6 +7,7 @@ import socket
 import subprocess
 from contextlib import ExitStack
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -55,7 +56,7 @@ class LiveView:
             self._stream.log(entity, rr.SeriesLines(names=name, colors=colour), static=True)
         return self
 
-    def __exit__(self, kind, *_) -> None:
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         """End the stream.  A viewer stays open until the user closes it."""
         with self._stack:
             self._stream.disconnect()
@@ -63,11 +64,11 @@ class LiveView:
                 print("Close the viewer to end.", flush=True)
                 self._process.wait()
 
-    def embody(self, body) -> None:
+    def embody(self, body: Any) -> None:
         """Take the springs of a Body message."""
         self._pairs = np.column_stack((body.spring_a, body.spring_b)).astype(int)
 
-    def show(self, seconds: float, position, activation, target, captured: int) -> None:
+    def show(self, seconds: float, position: np.ndarray, activation: np.ndarray, target: Any, captured: int) -> None:
         """Show one instant.  Args: position (N, 2) m; activation (N,); target (2,) m or None."""
         rr, stream = self._rr, self._stream
         stream.set_time("time", duration=seconds)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Callable
 from typing import Any
 
 import matplotlib
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..analysis.stretches import holes
@@ -33,7 +36,9 @@ STYLE: Any = {
 }
 
 
-def save_story(recording: Recording, life: Life, path, step=lambda part: None, palette: str = DEFAULT) -> None:
+def save_story(
+    recording: Recording, life: Life, path: str | os.PathLike, step: Callable[[str], None] = lambda part: None, palette: str = DEFAULT
+) -> None:
     """Draw the story of a recording and save it as a picture, 12.8 inches wide: 1600 px as a PNG.
 
     Args: path: its ending names the format; step: called with the name of each part before it is drawn.
@@ -52,7 +57,7 @@ def save_story(recording: Recording, life: Life, path, step=lambda part: None, p
         save_figure(figure, path)
 
 
-def save_frame(life: Life, path, step: int = -1, pixels: int = 800) -> None:
+def save_frame(life: Life, path: str | os.PathLike, step: int = -1, pixels: int = 800) -> None:
     """Draw the body at one control step and save it with a transparent background; as a PNG it is `pixels` wide."""
     low, high = bounds(life.position[step])
     width, height = high - low
@@ -125,7 +130,7 @@ def _growth_row(life: Life, palette: str):
     yield 1.9, "growth", draw
 
 
-def caption(axes, text) -> None:
+def caption(axes: Axes, text: str) -> None:
     """A line below axes."""
     axes.text(0.5, -0.03, text, transform=axes.transAxes, ha="center", va="top", fontsize=8.5, color="0.35")
 
@@ -243,6 +248,6 @@ def _fitness(axes, statistics) -> None:
     legend(axes)
 
 
-def legend(axes) -> None:
+def legend(axes: Axes) -> None:
     """In the line of the title."""
     axes.legend(ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2, handlelength=1.5, columnspacing=1.2)

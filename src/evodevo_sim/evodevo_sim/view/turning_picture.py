@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import matplotlib
 import numpy as np
 from matplotlib.collections import EllipseCollection
@@ -18,7 +20,7 @@ from .picture import STYLE
 _COLUMN, _ROW = 4.2, 3.9  # inches
 
 
-def save_turning(found: list[tuple[str, Turning]], path, palette: str = DEFAULT) -> None:
+def save_turning(found: list[tuple[str, Turning]], path: str | os.PathLike, palette: str = DEFAULT) -> None:
     """Draw champions, a row each: the map of a turn to the left, of one to the right, and the three paths; save a picture."""
     with matplotlib.rc_context(STYLE):
         figure = Figure((3 * _COLUMN, _ROW * len(found) + 1.1), dpi=125, facecolor="white")

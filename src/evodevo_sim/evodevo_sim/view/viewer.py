@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
@@ -27,7 +28,7 @@ def is_installed() -> bool:
     return find_spec("rerun") is not None
 
 
-def save(recording: Recording, life: Life, path: str, step=lambda part: None, palette: str = DEFAULT) -> None:
+def save(recording: Recording, life: Life, path: str, step: Callable[[str], None] = lambda part: None, palette: str = DEFAULT) -> None:
     """Write a Rerun file.  Args: step: called with the name of each part before it is written.
 
     Raises OutputError where Rerun is missing or cannot write.
@@ -51,7 +52,7 @@ def save(recording: Recording, life: Life, path: str, step=lambda part: None, pa
 
 
 @contextmanager
-def switched_on():
+def switched_on() -> Iterator[None]:
     """Without the switch by which the environment turns all of Rerun off: who asks for a file wants its contents."""
     switch = os.environ.pop("RERUN", None)
     try:
@@ -62,7 +63,7 @@ def switched_on():
 
 
 @contextmanager
-def opened(*arguments: str | os.PathLike):
+def opened(*arguments: str | os.PathLike) -> Iterator[subprocess.Popen]:
     """The viewer, as a context that ends it.  Nothing leaves this host.  Yields its process."""
     import rerun_cli
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+import os
 
 import numpy as np
 from rich.table import Table
@@ -68,7 +69,7 @@ def _rows(g: Gait):
         yield "mass over its support, amplitude", g.mass_shift, "m"
 
 
-def write_cells(path, analysis: Analysis) -> None:
+def write_cells(path: str | os.PathLike, analysis: Analysis) -> None:
     """Write a CSV file: a line per cell with its place in the body, amplitude and phase (from the mean of all), limb or not and,
     of walkers, the share of the time for which it touches the ground."""
     wave, contact = analysis.rhythm.wave, analysis.contact

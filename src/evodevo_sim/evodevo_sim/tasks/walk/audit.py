@@ -6,6 +6,8 @@ must agree are means over many starts.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ...genetics.genome import Genome
@@ -31,7 +33,7 @@ def other_headings(seed: int) -> np.ndarray:
     return headings((seed, _OTHER), STARTS)
 
 
-def trial(genome: Genome, task: Task, directions, finer: float = 1, seed: int = 0):
+def trial(genome: Genome, task: Task, directions: np.ndarray, finer: float = 1, seed: int = 0) -> Any:
     """(Walk, fitness (S,), ledger (S, 4), positions (T + 1, N, 2) from the first) of a walker from these directions.
 
     Args: seed: of noise.
