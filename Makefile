@@ -1,7 +1,7 @@
 # evodevo: `make` says what there is.  Every target sets up what is missing first.
 
 .DEFAULT_GOAL := help
-.PHONY: help setup build evolve test bench peers replay lock clean
+.PHONY: help setup build evolve lint test bench peers replay lock clean
 MAKEFLAGS += --no-print-directory
 
 in_environment := scripts/run.sh
@@ -11,6 +11,7 @@ help:
 	@echo 'make evolve [ARGS="..."]          evolve: ros2 run evodevo_ga evolve ARGS'
 	@echo 'make replay [ARGS="..."]          show a recording: ros2 run evodevo_sim replay ARGS'
 	@echo 'make test [ARGS="..."]            run the tests: pytest tests ARGS'
+	@echo 'make lint                         check the code by ruff and mypy, as the tests do too'
 	@echo 'make bench [ARGS="..."]           measure: benchmarks/run.py ARGS; ARGS=--quick for a look'
 	@echo 'make peers                        install the other engines that `make bench` compares with'
 	@echo 'make lock                         pin requirements.in in requirements.lock'
@@ -25,6 +26,9 @@ evolve: setup
 
 replay: setup
 	@$(in_environment) ros2 run evodevo_sim replay $(ARGS)
+
+lint: setup
+	@$(in_environment) scripts/lint.sh
 
 # Each run has a ROS domain of its own.
 test: setup

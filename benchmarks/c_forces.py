@@ -56,7 +56,7 @@ def caller(library, in_passes, body, law, rest, position, velocity, calls):
     structure = _Body(**dict(zip(_SIZES, sizes)), **pointers, **{name: getattr(law, name) for name in _LAW})
     out, position, velocity = np.empty(position.shape), np.ascontiguousarray(position), np.ascontiguousarray(velocity)
 
-    def action(keep=arrays):
+    def action(keep=arrays):  # noqa: ARG001  (what pointers point at lives as long as the action)
         library.many(
             ctypes.byref(structure), int(in_passes), *(ctypes.c_void_p(array.ctypes.data) for array in (position, velocity, out)),
             ctypes.c_int64(calls),

@@ -87,7 +87,9 @@ def main():
         print(row("left", found[left]) + "\n" + row("right", found[~left]) + "\n" + row("blind, straight ahead", blind))
         if given.cost:
             least, median = cost(champion)
-            print(f"    an evaluation of {champion.task.development.max_cells} cells: {least:.1f} ms CPU at best, {median:.1f} in the median")
+            print(
+                f"    an evaluation of {champion.task.development.max_cells} cells: {least:.1f} ms CPU at best, {median:.1f} in the median"
+            )
     print(f"{passed} of {len(given.champions)} champions pass")
 
 

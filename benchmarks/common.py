@@ -23,7 +23,7 @@ from tqdm import tqdm
 from evodevo_sim import Material, Scene, load_genome
 
 matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
+import matplotlib.pyplot as plt
 
 CHAMPION = Path(__file__).resolve().with_name("swimmer.yaml")  # seed 3 after 50 generations of one population; it grows to any limit
 STEP = 1 / 60  # s, of control

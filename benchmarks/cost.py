@@ -39,7 +39,7 @@ def force_costs(sizes, rounds, libraries):
         position, velocity, rest = moving(body)
         calls = max(10, BATCH // cells)
         out, scratch = np.empty_like(position), make_scratch(body)
-        actions = {"evodevo": lambda: many_accelerations(body, law, rest, position, velocity, scratch, out, calls)}  # noqa: B023
+        actions = {"evodevo": lambda: many_accelerations(body, law, rest, position, velocity, scratch, out, calls)}  # noqa: B023  (called within its round)
         outs = {}
         for flags, library in libraries.items():
             for way in ("plain", "passes"):
@@ -85,13 +85,13 @@ def graph_costs(sizes, rounds):
         varied = position + np.random.default_rng(0).normal(0.0, 0.1, (few, cells, 2))
 
         def fresh():
-            for one in varied:  # noqa: B023
+            for one in varied:  # noqa: B023  (called within its round)
                 gabriel_graph(one)
 
         actions = {
             "from nothing": (few, fresh),
-            "followed": (calls, lambda: many_graphs(position.copy(), moves, *kept, calls)),  # noqa: B023
-            "SciPy Delaunay": (1, lambda: delaunay_gabriel(position)),  # noqa: B023
+            "followed": (calls, lambda: many_graphs(position.copy(), moves, *kept, calls)),  # noqa: B023  (called within its round)
+            "SciPy Delaunay": (1, lambda: delaunay_gabriel(position)),  # noqa: B023  (called within its round)
         }
         if cells > FOLLOWED:
             del actions["followed"]

@@ -24,7 +24,7 @@ from rich.console import Console
 from rich.table import Table
 
 matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
+import matplotlib.pyplot as plt
 
 OF = {
     "fitness": "best fitness so far, m", "distance": "way of the fittest so far, m",

@@ -38,7 +38,8 @@ FINEST = 32
 CHAMPIONS = Path(__file__).resolve().parents[1] / "src/evodevo_sim/champions"
 # What is timed; file of the genome; task; settings; ms that are asked.
 OTHERS = (
-    ("64 cells: a walker's evaluation from one start, settling included", "walker", "walk", {"starts": 1, "development.max_cells": 64}, 28.0),
+    ("64 cells: a walker's evaluation from one start, settling included", "walker", "walk",
+     {"starts": 1, "development.max_cells": 64}, 28.0),
     ("32 cells: a seeker's evaluation of three swims", "seeker", "chemotaxis", {"chemotaxis.pairs": 1}, 36.0),
 )
 
@@ -163,7 +164,9 @@ def run(effort, out):
             text = ", ".join(f"{name} {row[f'{name}, %']:.0f}" for name in SHARES)
             figures.append(Figure(PART, f"{row['cells']} cells: shares of an evaluation, %", text))
             took, most = row["milliseconds"], row["cells"] / 2
-            figures.append(Figure(PART, f"{row['cells']} cells: the champion's evaluation", f"{took:.1f} ms", f"<= {most:g} ms", took <= most))
+            figures.append(
+                Figure(PART, f"{row['cells']} cells: the champion's evaluation", f"{took:.1f} ms", f"<= {most:g} ms", took <= most)
+            )
     for cells in dict.fromkeys(row["cells"] for row in errors):
         mine = [row for row in errors if row["cells"] == cells]
         error, substeps = mine[0]["error"], mine[0]["substeps"]
@@ -183,7 +186,8 @@ def run(effort, out):
         text = f"{np.median(times):.1f} ms in the median, {times.min():.1f} to {times.max():.1f}, at {worst:.1e} and less"
         (most, asked), _ = LIMITS
         met = bool(np.median(times) <= asked and worst <= most)
-        figures.append(Figure(PART, f"64 cells: {len(rows)} random genomes that never rest, error <= {most:g}", text, f"<= {asked:g} ms", met))
+        what = f"64 cells: {len(rows)} random genomes that never rest, error <= {most:g}"
+        figures.append(Figure(PART, what, text, f"<= {asked:g} ms", met))
     return figures
 
 

@@ -57,14 +57,18 @@ def readers() -> dict[str, Reader]:
 
 
 _BODIES = [
-    "position: [[0, 0], [1, 0], [0.5, 0.9]]\nsprings: [[0, 1], [1, 2], [0, 2]]\nrest_length: [1, 1, 1.1]\n"
-    "velocity: [[0, 0], [1, 0], [0, 1]]\n"
-    "activation: {amplitude: 0.3, frequency: 1.0, phase: [0, 1, 2]}\nscene: {drag_normal: 100, drag_tangential: 0.5}\nmass: [1, 2, 3]\n",
+    (
+        "position: [[0, 0], [1, 0], [0.5, 0.9]]\nsprings: [[0, 1], [1, 2], [0, 2]]\nrest_length: [1, 1, 1.1]\n"
+        "velocity: [[0, 0], [1, 0], [0, 1]]\n"
+        "activation: {amplitude: 0.3, frequency: 1.0, phase: [0, 1, 2]}\nscene: {drag_normal: 100, drag_tangential: 0.5}\nmass: [1, 2, 3]\n"
+    ),
     "position:\n- [0, 0]\n- [1, 0]\n- [1, 1]\n- [0, 1]\nsprings: gabriel\nchambers: faces\nstiffness: 1e2\ndamping: 1e-3\npressure: 4e2\n",
 ]
 _WORLDS = [
-    "ground: [[-50, 0], [4, 0], [4.1, 0.5], [50, 0.5]]   # m\nceiling: [[-50, 100], [8, 100], [8.1, 3], [50, 3]]\n"
-    "friction: 0.8\ngravity: 5.0\n",
+    (
+        "ground: [[-50, 0], [4, 0], [4.1, 0.5], [50, 0.5]]   # m\nceiling: [[-50, 100], [8, 100], [8.1, 3], [50, 3]]\n"
+        "friction: 0.8\ngravity: 5.0\n"
+    ),
     "steps: {rise: 0.3, run: 3, level: 6}\nfriction: 8e-1\n", "rough: {seed: 1, spacing: 1, height: 0.5, level: 6}\n",
     "bumps:\n  height: 0.6\n  width: 1.5\n  apart: 6\n  level: 6\n", "slope: -8.5\n", '{"slope": 3, "friction": 0.5}',
 ]

@@ -35,6 +35,7 @@ def full_grown(task):
                 return genome
         except NotViable:
             continue
+    raise SystemExit(f"no random genome fills {task.development.max_cells} cells: give fewer by --cells")
 
 
 def main():
@@ -79,7 +80,11 @@ def main():
             used = sum(process.cpu_times()[:2]) - cpu
             memory = process.memory_info().rss / 2**20
             median, most = np.percentile(np.diff(heard), (50, 99)) * 1e3 if len(heard) > 1 else (np.nan, np.nan)
-            print(f"{(time.monotonic() - began) / 60:6.2f}  {len(heard) / spent:8.1f}  {median:18.1f}  {most:7.1f}  {100 * used / spent:17.1f}  {memory:9.1f}", flush=True)
+            print(
+                f"{(time.monotonic() - began) / 60:6.2f}  {len(heard) / spent:8.1f}  {median:18.1f}  "
+                f"{most:7.1f}  {100 * used / spent:17.1f}  {memory:9.1f}",
+                flush=True,
+            )
     rclpy.shutdown()
 
 

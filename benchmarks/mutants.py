@@ -59,8 +59,13 @@ def main() -> None:
         parser.error(f"{options.genomes[int(np.argmin(parents))]} earns {min(parents):.3g} in this task: give champions that move")
     ways = [(rate, scale) for rate in options.rates for scale in options.scales]
 
-    table = Table("rate, scale", *SHARES, title=f"{len(champions)} champions, {options.children} children each; per cent, mean over champions")
-    with ThreadPoolExecutor(options.workers) as pool, tqdm(total=len(ways) * len(champions) * options.children, unit="child", leave=False) as bar:
+    table = Table(
+        "rate, scale", *SHARES, title=f"{len(champions)} champions, {options.children} children each; per cent, mean over champions"
+    )
+    with (
+        ThreadPoolExecutor(options.workers) as pool,
+        tqdm(total=len(ways) * len(champions) * options.children, unit="child", leave=False) as bar,
+    ):
         for rate, scale in ways:
             found = []
             for genome, parent in zip(champions, parents):

@@ -116,14 +116,21 @@ def search_at_random(task: Task, settings: Settings, seed: int, budget: int, poo
     return [row("random: fittest", seed, budget, best, *about), row("random: farthest", seed, budget, longest, *about)], curve
 
 
-def point(search: str, seed: int, generation: int, evaluations: int, e: Evaluation, diversity: float, seconds: float, born: int = 0) -> dict:
+def point(
+    search: str, seed: int, generation: int, evaluations: int, e: Evaluation, diversity: float, seconds: float, born: int = 0
+) -> dict:
     """A row of a curve: the best so far after so many evaluations.  Args: born: generation in which its oldest line began."""
     m = e.metrics
-    values = (search, seed, generation, evaluations, e.fitness, m.distance, m.distance_second_half, m.activation_amplitude, diversity, seconds, born)
+    values = (
+        search, seed, generation, evaluations, e.fitness, m.distance, m.distance_second_half, m.activation_amplitude, diversity, seconds,
+        born,
+    )
     return dict(zip(CURVE, values))
 
 
-def row(search: str, seed: int, evaluations: int, e: Evaluation, last_gain, diversity, chambered, oscillating, seconds, verdict="", gait="") -> dict:
+def row(
+    search: str, seed: int, evaluations: int, e: Evaluation, last_gain, diversity, chambered, oscillating, seconds, verdict="", gait=""
+) -> dict:
     m = e.metrics
     values = (
         search, seed, evaluations, e.fitness, m.distance, m.distance_second_half, m.slowest_window, m.activation_amplitude, m.cells,

@@ -106,7 +106,10 @@ def main():
     for name, values in seconds.items():
         print(f"  {name:20s} {min(values):.3f} s at the least, {statistics.median(values):.3f} s in the median")
     ratio = statistics.median(b / a for a, b in zip(here, there))
-    print(f"  overhead of the services: {100 * (ratio - 1):+.1f} % (median of the rounds' ratios), {100 * (min(there) / min(here) - 1):+.1f} % (of the least)")
+    print(
+        f"  overhead of the services: {100 * (ratio - 1):+.1f} % (median of the rounds' ratios), "
+        f"{100 * (min(there) / min(here) - 1):+.1f} % (of the least)"
+    )
     alone, served = work.values()
     print(f"  processors' time: {alone / given.rounds:.3f} and {served / given.rounds:.3f} s, {100 * (served / alone - 1):+.1f} %")
     parts = times.seconds()

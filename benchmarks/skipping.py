@@ -145,7 +145,7 @@ def resting(task, genomes):
         genes, model = kernel_arguments(genome, task)
 
         def alive():
-            status, life = birth(genes, model, 1.0)  # noqa: B023
+            status, life = birth(genes, model, 1.0)  # noqa: B023  (called within its round)
             assert status == OK
             return life
 
@@ -157,8 +157,8 @@ def resting(task, genomes):
         apart = float(np.abs(lived.state.position - short.state.position).max()) if rested > 0 else 0.0
         seconds = best(race({
             "birth": alive,
-            "exit": lambda: evaluate(genome, task),  # noqa: B023
-            "full": lambda: live_on(alive(), task.control_steps, task.control_step, development, continual),  # noqa: B023
+            "exit": lambda: evaluate(genome, task),  # noqa: B023  (called within its round)
+            "full": lambda: live_on(alive(), task.control_steps, task.control_step, development, continual),
         }, 2, "resting"))
         rows.append({"seed": seed - 1, "rests": evaluation.status == Status.RESTING, "at_step": rested, "moved_after_m": apart,
                      **{f"{name}_ms": 1e3 * value for name, value in seconds.items()}})

@@ -162,7 +162,8 @@ def draw(path: Path) -> None:
             bend = 0.0 if height[one] - height[other] == 1 else 0.12 * (1 if x <= u else -1)
             axes.annotate(
                 "", xy=(u, v + high / 2), xytext=(x, y - high / 2),
-                arrowprops={"arrowstyle": "-|>", "color": "0.55", "lw": 0.9, "connectionstyle": f"arc3,rad={bend}", "shrinkA": 0, "shrinkB": 0},
+                arrowprops={"arrowstyle": "-|>", "color": "0.55", "lw": 0.9,
+                            "connectionstyle": f"arc3,rad={bend}", "shrinkA": 0, "shrinkB": 0},
             )
     for k, (name, what, section) in enumerate(rooms):
         x, y = place[name]

@@ -15,7 +15,7 @@ _loaded = 0  # modules, when last looked
 
 
 def pytest_runtest_setup():
-    global _loaded
+    global _loaded  # noqa: PLW0603  (hooks of pytest have no object of their own)
     if len(sys.modules) != _loaded:
         _loaded = len(sys.modules)
         for cls in value_classes():

@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 def grid(columns=5, rows=3, seed=0):
     """A shaken grid with a diagonal in all squares but the last, and a tail: the document of a body file, faces, outline."""
     rng = np.random.default_rng(seed)
-    n = lambda c, r: r * columns + c  # noqa: E731
+    n = lambda c, r: r * columns + c
     points = [(c, r) for r in range(rows) for c in range(columns)] + [(columns, rows - 1)]
     position = np.array(points, float) + rng.uniform(-0.1, 0.1, (len(points), 2))
     springs, faces = [], []
@@ -61,7 +61,7 @@ def forces(document, faces, outline, scene, t, p, v):
         total[i] += f * u
         total[j] -= f * u
     for face in faces:
-        area = lambda q: 0.5 * sum(q[i][0] * q[j][1] - q[i][1] * q[j][0] for i, j in zip(face, face[1:] + face[:1]))  # noqa: E731, B023
+        area = lambda q: 0.5 * sum(q[i][0] * q[j][1] - q[i][1] * q[j][0] for i, j in zip(face, face[1:] + face[:1]))  # noqa: B023  (called within its round)
         pressure = document["pressure"] * (1 - area(p) / area(start))
         for i, j in zip(face, face[1:] + face[:1]):  # counter-clockwise: outward is to the right
             d = p[j] - p[i]

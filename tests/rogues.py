@@ -54,7 +54,7 @@ def _later(fault):
     return lambda request, response, count: fault(request, response, count) if count else response
 
 
-def _of_another_request(request, response, count, kept=[]):
+def _of_another_request(request, response, count, kept=[]):  # noqa: B006  (kept from call to call is what is meant)
     kept.append(copy.deepcopy(response.evaluations[0]))
     response.evaluations = [kept[0] if count else Evaluation(fitness=0.25)] * len(response.evaluations)
     return response

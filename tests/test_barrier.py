@@ -34,7 +34,9 @@ sys.exit(simulator.main(["--ros-args", "-r", "__ns:={namespace}"]))
 
 
 @pytest.mark.parametrize("own_thread", [False, True])
-@pytest.mark.parametrize("error", [MemoryError(), MemoryError("no room\n" * 10_000), ValueError("seconds must be positive"), RecursionError()])
+@pytest.mark.parametrize(
+    "error", [MemoryError(), MemoryError("no room\n" * 10_000), ValueError("seconds must be positive"), RecursionError()]
+)
 def test_an_exception_is_the_answers_error_and_the_next_request_is_answered(error, own_thread):
     def answer(request, response):
         if hasattr(request, "data") and not request.data:

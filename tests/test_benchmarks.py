@@ -119,7 +119,9 @@ def test_curves_take_the_last_value_known_at_each_number_of_evaluations(tmp_path
     import curves
 
     (tmp_path / "a.csv").write_text(CURVES + ",paper,1,100,1.0,0.9\n,paper,1,200,3.0,0.5\n,paper,2,150,2.0,0.8\n,paper,2,250,8.0,0.4\n")
-    (tmp_path / "b.csv").write_text(CURVES + ",random,1,10,0.5,1\n,random,1,200,0.5,1\nx=1,paper,1,100,7,0.9\n,random,1,10,0.25,1\n,random,1,90,0.5,1\n")
+    (tmp_path / "b.csv").write_text(
+        CURVES + ",random,1,10,0.5,1\n,random,1,200,0.5,1\nx=1,paper,1,100,7,0.9\n,random,1,10,0.25,1\n,random,1,90,0.5,1\n"
+    )
     found = curves.read([tmp_path / "a.csv", tmp_path / "b.csv"], "second_half")
     assert {name: len(runs) for name, runs in found.items()} == {"paper": 2, "random": 1, "paper x=1": 1}
     assert found["random"][0].tolist() == [[10, 0.25], [90, 0.5]]  # the seed was run again
@@ -133,7 +135,9 @@ def test_search_writes_curves_that_are_drawn(tmp_path, monkeypatch, capsys):
 
     table = tmp_path / "curves.csv"
     small = ["--seeds", "2", "--generations", "3", "--workers", "1", "--scheme", "alps", "--curves", str(table)]
-    small += ["--set", "settings.population=10", "--set", "settings.layers=2", "--set", "development.max_cells=8", "--set", "control_steps=80"]
+    small += [
+        "--set", "settings.population=10", "--set", "settings.layers=2", "--set", "development.max_cells=8", "--set", "control_steps=80",
+    ]
     monkeypatch.setattr("sys.argv", ["search.py", *small])
     search.main()
     rows = rows_of(table)

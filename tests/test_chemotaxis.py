@@ -65,7 +65,7 @@ def test_a_scent_of_nothing_is_no_scent_bit_for_bit(variant):
         task = dataclasses.replace(TASK, development=development)
         seeker, swimmer = Animat(genome, task), Animat(genome, dataclasses.replace(SWIM, development=development))
         result = attempt(genome, task, 0, np.empty((0, 2)))
-        for step in range(task.control_steps):
+        for _ in range(task.control_steps):
             if swimmer.status != Status.OK:  # resting ends its life, but not that of who waits for a target
                 break
             assert np.array_equal(seeker.position, swimmer.position) and np.array_equal(seeker.activation, swimmer.activation)

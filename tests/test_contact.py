@@ -54,7 +54,7 @@ def test_a_block_at_rest_stays(angle):
 def test_a_block_slides_at_g_sin_minus_mu_cos(angle, friction):
     system, position, along, _ = block(angle, friction)
     p, v = march(system, 240, position, np.zeros_like(position))
-    q, w = march(system, 960, p, v)
+    _q, w = march(system, 960, p, v)
     downhill = -along * np.sign(angle)
     gained = downhill @ (w - v).mean(axis=1) / (960 * H)
     assert gained == pytest.approx(G * (np.sin(abs(angle)) - friction * np.cos(angle)), rel=0.01)
@@ -126,7 +126,9 @@ def stress(seed, terrain, friction, steps=400):
     """A random body that is dropped, kicked and driven at random: (finite, least height above ground, worst unexplained energy)."""
     rng = np.random.default_rng(seed)
     body = random_body(rng, int(rng.integers(2, 20)))
-    drive = tuple(f * np.ones(len(body.position)) for f in (rng.uniform(0, 0.5), rng.uniform(0.2, 3.0))) + (rng.uniform(0, 6, len(body.position)),)
+    drive = tuple(f * np.ones(len(body.position)) for f in (rng.uniform(0, 0.5), rng.uniform(0.2, 3.0))) + (
+        rng.uniform(0, 6, len(body.position)),
+    )
     system = make_system(body, LAW, rng.uniform(0, 10), friction, True, drive, terrain)
     frequency, damping = bounds(system)
     h = min(H, STEP / 1.6 / frequency, 0.8 * longest_step(0, frequency, damping))

@@ -86,7 +86,9 @@ def test_random_genomes_always_grow_to_something_finite(variant, seed):
     assert np.isfinite(performance.growth[-1]).all()
 
 
-@pytest.mark.parametrize("name, value", [("variant", "C"), ("max_cells", 0), ("steps", 2.5), ("division_threshold", np.nan), ("repulsion", "x")])
+@pytest.mark.parametrize(
+    "name, value", [("variant", "C"), ("max_cells", 0), ("steps", 2.5), ("division_threshold", np.nan), ("repulsion", "x")]
+)
 def test_impossible_settings_are_named(name, value):
     with pytest.raises(ParameterError, match=name):
         Development(**{name: value})
@@ -100,7 +102,7 @@ def test_a_newborns_morphogen_reaches_others_after_its_delay():
     )
     speed, far, rate = 0.05, 1.0, 0.3
     shape = dict(variant="graph_at_end", max_cells=2, morphogen_speed=speed, morphogen_range=far, regulation_rate=rate)
-    made = lambda t: activation(10.0) * (1.0 - (1.0 - rate) ** t)  # noqa: E731
+    made = lambda t: activation(10.0) * (1.0 - (1.0 - rate) ** t)
     growth = life(genome, **shape, steps=60).growth
     born = int(np.isfinite(growth[:, 1, 0]).argmax())
     heard = []

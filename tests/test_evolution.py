@@ -35,11 +35,14 @@ def test_selection_climbs_and_never_loses_its_best():
     assert [generation.generation for generation in history] == list(range(40))
 
 
+def _shuffled(n: int) -> np.ndarray:
+    return np.random.default_rng(n).permutation(n)
+
+
 def test_equal_seeds_give_equal_runs_in_any_order_of_evaluation():
     settings = Settings(population=20, generations=10)
-    shuffled = lambda n: np.random.default_rng(n).permutation(n)
     one, history = run(settings, 5)
-    two, again = run(settings, 5, order=shuffled)
+    two, again = run(settings, 5, order=_shuffled)
     assert history == again and one.champion.genome == two.champion.genome
     assert run(settings, 6)[1] != history
 
@@ -184,7 +187,10 @@ def test_an_old_line_cannot_reach_the_young_ones():
     settings = Settings(population=20, layers=2, age_gap=6, generations=30, start_share=0.0, crossover=0.5)
     evolution = Evolution(settings, 4, [hero])
     elements = set(zip(hero.x.tolist(), hero.y.tolist()))
-    kin = lambda genome: len(elements & set(zip(genome.x.tolist(), genome.y.tolist())))
+
+    def kin(genome):
+        return len(elements & set(zip(genome.x.tolist(), genome.y.tolist())))
+
     while not evolution.finished:
         evolution.tell([evaluation(kin(genome)) for genome in evolution.ask()])
         assert not any(kin(one.genome) for one in evolution.population if one.layer == 0)
@@ -198,9 +204,8 @@ def test_layers_keep_diversity_where_one_population_loses_it():
 
 
 def test_layers_give_the_same_run_in_any_order_of_evaluation():
-    shuffled = lambda n: np.random.default_rng(n).permutation(n)
     one, history = run(LAYERED, 5)
-    two, again = run(LAYERED, 5, order=shuffled)
+    two, again = run(LAYERED, 5, order=_shuffled)
     assert history == again and one.champion.genome == two.champion.genome
 
 

@@ -138,7 +138,7 @@ def test_a_run_uses_the_simulators_on_the_graph_and_outlives_one(tmp_path, in_pr
         process = start("--look", "5", out=tmp_path / "run")
         assert "2 simulators of the graph" in first_line(process)
         nodes[0].kill()
-        stdout, stderr = process.communicate(timeout=DEADLINE)
+        _stdout, stderr = process.communicate(timeout=DEADLINE)
         assert process.returncode == 0, stderr
         assert load_genome(tmp_path / "run/champion.yaml") == in_process[0].champion.genome
         assert nodes[1].poll() is None  # not ours, so not ended
@@ -285,7 +285,7 @@ def test_a_killed_run_leaves_no_simulators_and_its_champion(tmp_path):
     ],
 )
 def test_bad_flags_get_one_line_and_exit_code_2(tmp_path, arguments, says):
-    code, stdout, stderr = run(*arguments, out=tmp_path / "run")
+    code, _stdout, stderr = run(*arguments, out=tmp_path / "run")
     assert code == 2 and says in stderr and stderr.count("\n") == 1
     assert not (tmp_path / "run").exists()
 

@@ -23,7 +23,8 @@ STILL = ["--point-mutation", "0", "--crossover", "0", "--duplication", "0", "--d
         ("--cells 2", "development.max_cells is 2: give 3 or more"),
         ("--set development.steps=1", "development.division_threshold is 0.5: give less than 0.3, which no cell can pass in 1 steps"),
         ("--set development.division_threshold=1", "development.division_threshold is 1: give less than 1"),
-        ("--set control_step=1 --set material.stiffness=1e9", "task.control_step is 1: give less than 0.0335 s, or lower material.stiffness"),
+        ("--set control_step=1 --set material.stiffness=1e9",
+         "task.control_step is 1: give less than 0.0335 s, or lower material.stiffness"),
         ("--set control_step=1 --set material.damping=1e6", "task.control_step is 1: give less than"),
         ("--set material.pressure=1e9 --set control_step=1", "task.control_step is 1: give less than"),
         ("--set scene.drag_normal=0 --set scene.drag_tangential=0", "without a fluid nothing can swim"),
@@ -52,7 +53,8 @@ def test_what_cannot_work_gets_one_line_and_exit_code_2(capsys, arguments, says)
 def test_what_can_work_is_not_refused(tmp_path):
     save_genome(tmp_path / "one.yaml", random_genome(np.random.default_rng(1)))
     for arguments in (
-        [], ["--cells", "3"], ["--scheme", "alps"], ["--scheme", "niches"], ["--scheme", "paper"], ["--units", "0", "--start", str(tmp_path / "one.yaml")],
+        [], ["--cells", "3"], ["--scheme", "alps"], ["--scheme", "niches"], ["--scheme", "paper"],
+        ["--units", "0", "--start", str(tmp_path / "one.yaml")],
         ["--set", "control_step=1"], ["--set", "material.stiffness=1e9"], ["--set", "development.steps=2"], [*STILL, "--flip", "0.1"],
         ["--task", "walk"], ["--task", "chemotaxis", "--scent-mutation", "1", *STILL],
     ):

@@ -67,10 +67,16 @@ def test_plain_distance_of_a_walker_is_that_of_the_worse_half_of_its_starts():
     assert walk_score(unsettled, task).fitness == 0.5
 
 
-@pytest.mark.parametrize("values, says", [
-    ({"fitness": "speed"}, "task.fitness is 'speed': choose one of sustained, distance"),
-    ({"task.fitness": "distance", "name": "chemotaxis"}, "task.fitness is 'distance': leave it at 'sustained' where the task is chemotaxis"),
-])
+@pytest.mark.parametrize(
+    "values, says",
+    [
+        ({"fitness": "speed"}, "task.fitness is 'speed': choose one of sustained, distance"),
+        (
+            {"task.fitness": "distance", "name": "chemotaxis"},
+            "task.fitness is 'distance': leave it at 'sustained' where the task is chemotaxis",
+        ),
+    ],
+)
 def test_a_fitness_that_cannot_be_is_refused_by_name(values, says):
     with pytest.raises(ParameterError, match=says):
         with_settings(Task(), values)

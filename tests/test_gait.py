@@ -249,7 +249,7 @@ def test_motions_that_have_no_gait_are_one_line():
         analyse(dataclasses.replace(whole, time=whole.time[:20], position=whole.position[:20], activation=whole.activation[:20]))
     with pytest.raises(GaitError, match="nothing moved"):
         track_of_performance(perform(random_genome(np.random.default_rng(0), 1)))
-    with pytest.raises(ParameterError, match="rules.antiphase is 4"):
+    with pytest.raises(ParameterError, match=r"rules.antiphase is 4"):
         Rules(antiphase=4.0)
 
 

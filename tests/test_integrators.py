@@ -228,7 +228,7 @@ def propagator(method, h, stiffness, damping):
 def test_the_longest_step_of_true_eigenvalues_is_stable_and_one_not_much_longer_is_not(seed, cells, stiffness, damping, method):
     k, d = matrices(random_system(seed, cells, stiffness, damping, stiffness))
     h = longest_step(method, np.sqrt(np.linalg.eigvals(k).real.max()), max(0.0, np.linalg.eigvals(d).real.max()))
-    spectral_radius = lambda h: np.abs(np.linalg.eigvals(propagator(method, h, k, d))).max()  # noqa: E731
+    spectral_radius = lambda h: np.abs(np.linalg.eigvals(propagator(method, h, k, d))).max()
     assert spectral_radius(h * (1 - 1e-3)) < 1 + 1e-4  # whole-body motions have eigenvalue 1, twice: rounding shows as its root
     # Frequency and damping need not peak in one mode; RK4's limit is that of the worst angle.
     assert spectral_radius(h * (2.2 if damping else 1.1)) > 1 + 1e-3

@@ -126,7 +126,9 @@ def test_every_file_whose_code_numba_was_given_counts():
 def test_what_no_kernel_depends_on_does_not_count():
     names = {path.relative_to(PACKAGE.resolve()).as_posix() for path in _jit.kernel_sources()}
     assert "parameters.py" in names
-    assert not names & {"__init__.py", "ros/messages.py", "tasks/evaluation.py", "analysis/gait/contact.py", "view/picture.py", "nodes/simulator.py"}
+    assert not names & {
+        "__init__.py", "ros/messages.py", "tasks/evaluation.py", "analysis/gait/contact.py", "view/picture.py", "nodes/simulator.py",
+    }
 
 
 TREE = {
@@ -455,7 +457,7 @@ def test_a_damaged_entry_is_compiled_anew_and_said_in_one_line(own, capfd, damag
     assert module.times(3.0) == 7.0 and hits(module.times) == 0
     told = capfd.readouterr().err
     assert told.count("\n") == (damage is not made_a_dangling_link) and len(told) <= 300
-    assert not told or "is damaged" in told and "compiled anew" in told and path.name in told
+    assert not told or ("is damaged" in told and "compiled anew" in told and path.name in told)
     module = own()
     assert module.times(3.0) == 7.0 and hits(module.times) == 1 and not capfd.readouterr().err
 

@@ -58,7 +58,7 @@ def test_what_cannot_move_is_refused_with_the_reason():
 
 
 def test_nobody_changes_an_animat_from_outside():
-    with pytest.raises(ValueError):
+    with pytest.raises(ValueError, match="read-only"):
         swimmer().position[0, 0] = 1.0
 
 

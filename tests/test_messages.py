@@ -52,7 +52,7 @@ def test_an_evaluation_keeps_its_bits(fitness, status, distance, cells):
 
 
 def test_an_unknown_status_is_refused():
-    with pytest.raises(ValueError):
+    with pytest.raises(ValueError, match="99"):
         evaluation_from_message(msg.Evaluation(status=99))
 
 

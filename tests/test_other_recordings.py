@@ -1,5 +1,6 @@
 """Recordings by other writers: the same lives in whatever order, storage and spelling; what cannot be read is named, in one line."""
 
+import itertools
 import random
 import re
 import shutil
@@ -149,18 +150,18 @@ def test_late_messages_go_where_they_belong_and_a_reset_begins_a_life(data):
             order[k], order[k + 1] = order[k + 1], order[k]
     found = lives([stamps[i] for i in order], list(range(len(order))))
     ends = np.cumsum([0, *counts])
-    assert [[order[i] for i in life] for life in found] == [list(range(a, b)) for a, b in zip(ends, ends[1:])]
+    assert [[order[i] for i in life] for life in found] == [list(range(a, b)) for a, b in itertools.pairwise(ends)]
 
 
 def test_after_a_reset_in_a_recording_that_began_late_the_new_life_is_the_last():
-    stamps = [*range(100, 140), *range(0, 30)]
+    stamps = [*range(100, 140), *range(30)]
     times = [k * 10**8 for k in range(len(stamps))]
     assert lives(stamps, times)[-1] == list(range(40, 70))
     assert lives([5, 3, 9, 1], [0, 0, 0, 0]) == [[3, 1, 0, 2]]
 
 
 def test_the_same_file_twice_is_one_run_and_said(small, tmp_path, capsys):
-    directory, whole, rows = small
+    directory, whole, _rows = small
     for name in ("run_0.mcap", "run_0 (copy).mcap"):
         shutil.copy(directory / "life_0.mcap", tmp_path / name)
     found = read_recording(tmp_path)

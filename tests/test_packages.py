@@ -83,7 +83,8 @@ class _Made:
 def launch_stand_in(monkeypatch):
     """The names of ROS's launch packages, which no index of Python packages holds: what they make is looked at, not run."""
     for name, members in {
-        "launch": ["LaunchDescription"], "launch.actions": ["DeclareLaunchArgument", "OpaqueFunction", "SetEnvironmentVariable", "Shutdown"],
+        "launch": ["LaunchDescription"],
+        "launch.actions": ["DeclareLaunchArgument", "OpaqueFunction", "SetEnvironmentVariable", "Shutdown"],
         "launch.substitutions": ["EnvironmentVariable", "LaunchConfiguration"], "launch_ros": [], "launch_ros.actions": ["Node"],
     }.items():
         module = types.ModuleType(name)

@@ -85,7 +85,10 @@ BLIND = {
 APART = 30.0  # of CIELAB: colours of cells this far apart are told from each other at a glance
 
 
-def lab(colours, seen=np.eye(3)):
+_ALL = np.eye(3)  # of linear RGB is seen
+
+
+def lab(colours, seen=_ALL):
     """(..., 3) CIELAB, D65, of sRGB 0..255 (..., 3).  Args: seen (3, 3): what the eye does to linear RGB."""
     c = np.asarray(colours) / 255
     linear = np.clip(np.where(c <= 0.04045, c / 12.92, ((c + 0.055) / 1.055) ** 2.4) @ np.transpose(seen), 0.0, 1.0)
@@ -95,7 +98,7 @@ def lab(colours, seen=np.eye(3)):
     return np.stack((116 * f[..., 1] - 16, 500 * (f[..., 0] - f[..., 1]), 200 * (f[..., 1] - f[..., 2])), axis=-1)
 
 
-def nearest(palette, seen=np.eye(3)):
+def nearest(palette, seen=_ALL):
     """The least CIELAB distance between contracting, rest and expanding."""
     a, b, c = lab(activation_colours([-1.0, 0.0, 1.0], palette), seen)
     return min(np.linalg.norm(one - other) for one, other in ((a, b), (b, c), (a, c)))

@@ -152,7 +152,7 @@ def test_an_existing_directory_is_refused_and_left_alone(tmp_path):
 
 def test_a_place_that_cannot_be_written_is_refused(tmp_path):
     (tmp_path / "file").write_text("")
-    with pytest.raises(RecordingError, match="cannot be written .*: choose another directory"):
+    with pytest.raises(RecordingError, match=r"cannot be written .*: choose another directory"):
         Recorder(tmp_path / "file/run")
 
 
@@ -222,7 +222,7 @@ def test_what_is_no_recording_gets_one_line(tmp_path, content):
     (tmp_path / "a.mcap").write_bytes(content)
     with pytest.raises(RecordingError, match="evolve` or `ros2 bag record -s mcap` made") as error:
         read_recording(tmp_path)
-    assert "\n" not in str(error.value) and "a.mcap" in str(error.value) or str(tmp_path) in str(error.value)
+    assert ("\n" not in str(error.value) and "a.mcap" in str(error.value)) or str(tmp_path) in str(error.value)
 
 
 def test_an_empty_or_missing_directory_gets_one_line(tmp_path):
@@ -340,7 +340,7 @@ def test_an_error_of_the_disk_between_two_writes_is_one_line_at_the_next(tmp_pat
     recorder.write("evolution/statistics", GenerationStatistics(generation=7), 1)
     assert failed.wait(DEADLINE)
     recorder._keeper.join(DEADLINE)
-    with pytest.raises(RecordingError, match="recording stopped .No space left on device.: what came before is kept; make room"):
+    with pytest.raises(RecordingError, match=r"recording stopped .No space left on device.: what came before is kept; make room"):
         recorder.write("evolution/statistics", GenerationStatistics(generation=8), 2)
     recorder.close()
 

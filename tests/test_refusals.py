@@ -3,6 +3,7 @@
 import math
 import os
 import threading
+from functools import partial
 
 import numpy as np
 import pytest
@@ -90,15 +91,17 @@ def test_a_stage_is_as_its_model_whatever_it_is_asked(asked):
             if what == "fail":
                 if model.lives and not model.paused:
                     continue  # it would end the animat in a step, at any time
+                audience.fails = True
                 with pytest.raises(RuntimeError, match="no light"):
-                    audience.fails = True
                     stage.load(Animat(beating(), TASK), 1.0)
             elif what == "aim":
                 stage.aim(argument)
             else:
                 expected = model.ask(what, argument)
                 before = stage._animat, stage._paused
-                call = {"load": lambda: stage.load(animats[k % 2], argument), "pause": lambda: stage.pause(argument), "reset": stage.reset}[what]
+                call = {
+                    "load": partial(stage.load, animats[k % 2], argument), "pause": partial(stage.pause, argument), "reset": stage.reset,
+                }[what]
                 if expected is ParameterError:
                     with pytest.raises(ParameterError):
                         call()
@@ -216,7 +219,8 @@ def test_a_node_is_as_the_model_through_odd_requests(lab):
         else:
             message = PoseStamped()
             message.header.frame_id = rng.choice(["world", "moon", "x" * 100_000])
-            message.header.stamp.sec, message.pose.position.x = int(rng.integers(-(2**31), 2**31)), float(rng.choice([math.nan, 1e308, 1.0]))
+            message.header.stamp.sec = int(rng.integers(-(2**31), 2**31))
+            message.pose.position.x = float(rng.choice([math.nan, 1e308, 1.0]))
             lab.publisher.publish(message)
     assert silent(lab) if model.paused else heard(lab) is None
 

@@ -31,8 +31,8 @@ def test_activation_never_falls():
 
 
 def test_units_are_a_run_of_regulators_then_a_run_of_genes():
-    P, G = 1, 2
-    kind = np.array([0] * 8 + [G, P, P, G, G, P, G, P], np.uint8)
+    p, g = 1, 2
+    kind = np.array([0] * 8 + [g, p, p, g, g, p, g, p], np.uint8)
     unit_of, units = assign_units(kind)
     assert units == 2
     assert unit_of[8:].tolist() == [-1, 0, 0, 0, 0, 1, 1, -1]

@@ -308,7 +308,7 @@ def test_a_signal_ends_the_viewer_and_leaves_nothing(bags, tmp_path, number):
         shown = process.stdout.readline()
         assert shown.startswith("shown") and os.path.exists(shown.split()[1]), shown
         process.send_signal(number)
-        out, err = process.communicate(timeout=DEADLINE)  # ends when the viewer, too, has closed its output
+        _out, err = process.communicate(timeout=DEADLINE)  # ends when the viewer, too, has closed its output
     finally:
         process.kill()
         process.wait()

@@ -138,7 +138,11 @@ def test_a_state_that_is_damaged_anywhere_is_refused_in_one_line():
                 holder[last] = damage
             elif isinstance(holder, dict):
                 del holder[last]
-            if isinstance(holder, list) and damage == "lost" or last == "cause" and damage == "x" or "operators" in path and damage == "x":
+            if (
+                (isinstance(holder, list) and damage == "lost")
+                or (last == "cause" and damage == "x")
+                or ("operators" in path and damage == "x")
+            ):
                 continue  # a shorter list, another text: as whole as it was
             with pytest.raises((ParameterError, GenomeError)) as refused:
                 Evolution.resumed(state)
@@ -227,7 +231,7 @@ def test_a_search_that_gives_nobody_is_named(registry, method, done):
 
 
 def example():
-    return re.search(r"```python\n(.*?)```", PAGE.read_text(), re.S)[1]
+    return re.search(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL)[1]
 
 
 def test_the_search_of_the_documentation_runs(registry, capsys):

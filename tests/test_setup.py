@@ -169,7 +169,8 @@ def ros2(tmp_path):
         return subprocess.Popen(
             [sys.executable, STAND_IN, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
             env=os.environ | {"AMENT_PREFIX_PATH": str(tmp_path)},
-            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # a shell in the background ignores it
+            # A shell in the background ignores it.
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # noqa: PLW1509  (it takes no lock)
         )
 
     return start

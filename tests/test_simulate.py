@@ -212,7 +212,8 @@ BAD = {
     "pressure list": (changed(pressure=[1]), "pressure is [1]"),
     "disconnected": (changed(springs=[[0, 1], [2, 3]]), "springs do not reach cell 2"),
     "crossing": (changed(springs=SQUARE["springs"] + [[1, 3]]), "springs[4] and springs[5] cross"),
-    "through": ({"position": [[0, 0], [1, 0], [2, 0], [1, 1]], "springs": [[0, 1], [1, 2], [0, 3], [0, 2]]}, "springs[3] runs through cell 1"),
+    "through": ({"position": [[0, 0], [1, 0], [2, 0], [1, 1]], "springs": [[0, 1], [1, 2], [0, 3], [0, 2]]},
+                "springs[3] runs through cell 1"),
     "no such cell": (changed(springs=[[0, 1], [1, 4]]), "springs[1][1] is 4"),
     "self": (changed(springs=[[0, 1], [1, 1]]), "springs[1] is [1, 1]"),
     "twice": (changed(springs=SQUARE["springs"] + [[1, 0]]), "springs[5] joins cells 0 and 1 as springs[0]"),
@@ -258,7 +259,8 @@ def test_a_bad_body_is_one_line_that_names_the_field_and_leaves_nothing(tmp_path
     (["--dt", "1e-9"], "dt is 1e-09"), (["--tolerance", "-1"], "tolerance is -1.0"), (["--tolerance", "nan"], "tolerance is nan"),
     (["--dt", "0.01", "--tolerance", "1e-6"], "choose one of them"), (["--duration", "-3"], "duration is -3.0"),
     (["--duration", "1e5", "--dt", "1e-6"], "do not fit in memory"), (["--scene", "fly"], "scene 'fly' is unknown"),
-    (["--integrator", "leapfrog"], "integrator 'leapfrog' is unknown"), (["--scene", "walk", "--integrator", "rk4"], "walk meets its ground"),
+    (["--integrator", "leapfrog"], "integrator 'leapfrog' is unknown"),
+    (["--scene", "walk", "--integrator", "rk4"], "walk meets its ground"),
     (["--integrator", "rk4", "--tolerance", "1e-6"], "tolerance is for integrator adaptive"),
     (["--integrator", "adaptive", "--dt", "0.01"], "give tolerance in place of dt"), (["--duration", "x"], "'x' is no number"),
 ])
@@ -292,7 +294,9 @@ def test_the_recording_of_a_walk_holds_its_world_and_replay_draws_it(tmp_path, c
     from evodevo_sim.ros.messages import scene_from_message
 
     body = tmp_path / "body.yaml"
-    body.write_text(yaml.safe_dump({"position": [[0, 1], [1, 1], [0.5, 1.9]], "springs": [[0, 1], [1, 2], [0, 2]], "chambers": [[0, 1, 2]]}))
+    body.write_text(
+        yaml.safe_dump({"position": [[0, 1], [1, 1], [0.5, 1.9]], "springs": [[0, 1], [1, 2], [0, 2]], "chambers": [[0, 1, 2]]}),
+    )
     (tmp_path / "hill.yaml").write_text("ground: [[-5, 0], [0.5, 0.7], [5, 0]]\nceiling: [[-5, 9], [5, 9]]\nfriction: 0.4\n")
     walk = [str(body), "--scene", "walk", "--duration", "1"]
     assert main([*walk, "--world", str(tmp_path / "hill.yaml"), "--out", str(tmp_path / "hill")]) == 0

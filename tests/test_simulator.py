@@ -243,15 +243,23 @@ def test_a_live_animat_follows_the_last_good_target_whatever_else_comes():
         publisher.publish(good)
         asked = states[-1].step
         operator.until(lambda: states[-1].step > asked + 60)
-        for bad in (pose(float("nan")), pose(1.0, float("inf")), pose(1.0, frame="moon"), pose(1.0, frame=""), pose(1.0, sec=1), pose(1.0, sec=-1), pose(1.0, sec=now.sec + 1000)):
+        for bad in (
+            pose(float("nan")),
+            pose(1.0, float("inf")),
+            pose(1.0, frame="moon"),
+            pose(1.0, frame=""),
+            pose(1.0, sec=1),
+            pose(1.0, sec=-1),
+            pose(1.0, sec=now.sec + 1000),
+        ):
             publisher.publish(bad)
             asked = states[-1].step
-            operator.until(lambda: states[-1].step > asked + 5)
+            operator.until(lambda asked=asked: states[-1].step > asked + 5)
         assert "instead" in operator.call(Load, f"{namespace}/load", **request).message  # and the target stays
         operator.until(lambda: 30 <= states[-1].step < asked)
         process.terminate()
         _, stderr = process.communicate(timeout=DEADLINE)
-    second = [k for k in range(1, len(states)) if states[k].step < states[k - 1].step][0]
+    second = next(k for k in range(1, len(states)) if states[k].step < states[k - 1].step)
     animat = Animat(pulsing_smeller(), task)
     animat.target = (3.0, 1.0)
     seen = {message.step: message for message in states[second:]}
@@ -319,7 +327,9 @@ def test_bad_arguments_get_one_line_and_exit_code_2(arguments, says):
     assert [line.partition(":")[0] for line in result.stderr.splitlines() if not line.startswith("[WARN]")] == ["simulator"]
 
 
-@pytest.mark.parametrize("value, says", [(-1, "is -1"), (math.inf, "is inf"), (True, "is True"), ("soon", "is 'soon'"), (1e10, "is 1"), (-0.1, "is -0.1")])
+@pytest.mark.parametrize(
+    "value, says", [(-1, "is -1"), (math.inf, "is inf"), (True, "is True"), ("soon", "is 'soon'"), (1e10, "is 1"), (-0.1, "is -0.1")]
+)
 def test_a_time_that_cannot_be_is_refused_by_name(value, says):
     with Operator() as operator:
         node = rclpy.create_node("timed", context=operator.context, parameter_overrides=[rclpy.Parameter("target_age", value=value)])

@@ -22,7 +22,7 @@ from hypothesis import strategies as st
 from evodevo_sim import Task, evaluate
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
-from stress import stress  # noqa: E402
+from stress import stress
 
 OUTCOMES = {"sound", "unstable", "inverted", "too stiff", "too many steps", "not run: many steps", "coincident cells"}
 FAR = {"material.stiffness": 1e9, "material.mass": 1e-6, "control_step": 1.0}

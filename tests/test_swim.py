@@ -1,6 +1,7 @@
 """The swimming task: pure, from rest, and scored so that only sustained motion pays."""
 
 import dataclasses
+import itertools
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -67,7 +68,7 @@ def test_metrics_are_those_of_the_track(swimmer):
 
     assert metrics.distance == pytest.approx(between(centre[0], centre[-1]), abs=1e-9)
     assert metrics.distance_second_half == pytest.approx(between(centre[200], centre[-1]), abs=1e-9)
-    ways = [between(a, b) for a, b in zip(quarters[:-1], quarters[1:])]
+    ways = [between(a, b) for a, b in itertools.pairwise(quarters)]
     assert metrics.slowest_window == pytest.approx(min(ways) * metrics.distance / sum(ways), abs=1e-9)
     windows = performance.activation[1:].reshape(TASK.windows, -1, metrics.cells)
     assert metrics.activation_amplitude == pytest.approx((np.ptp(windows, axis=1) / 2).mean(axis=1).min(), abs=1e-9)

@@ -32,7 +32,7 @@ def test_whoever_asks_for_a_task_finds_what_it_needs(name):
     for function in ("run", "begin"):
         assert callable(kind.function(function))
     check(task, Settings(**scheme(default_scheme(name), name)))
-    assert kind.scheme in SCHEMES and set(kind.search) <= {field for field in Settings.__dataclass_fields__}
+    assert kind.scheme in SCHEMES and set(kind.search) <= set(Settings.__dataclass_fields__)
     assert parse(["--task", name, "--out", "nowhere"]).task == default_task(name) or name == "walk"
     assert task_from_message(task_message(task)) == task
     assert (ground_of_task(task) is not None) == kind.has_ground
@@ -94,7 +94,8 @@ def test_a_task_from_outside_is_evaluated_by_its_own_fitness():
 
 def test_a_task_from_outside_evolves_on_simulator_nodes(tmp_path):
     command = [
-        sys.executable, "-m", "evodevo_ga.evolve", "--task", "climb", "--generations", "1", "--population", "4", "--elite", "1", "--tournament",
+        sys.executable, "-m", "evodevo_ga.evolve", "--task", "climb", "--generations", "1", "--population", "4", "--elite", "1",
+        "--tournament",
         "2", "--simulators", "1", "--quiet", "--set", "control_steps=80", "--out", str(tmp_path / "run"),
         "--start", str(ROOT / "src/evodevo_sim/champions/walker.yaml"),
     ]

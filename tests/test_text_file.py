@@ -86,7 +86,7 @@ TRAPS = ("2024-02-28 25:00:00", "0x_", "0x1F", "0b1", "0o17", "017", "1:30", "-1
 def test_what_other_readers_take_for_a_number_or_a_date_is_refused_with_its_line(tmp_path, trap):
     assert refused(f"a: 1\nb: [2, {trap}]").startswith(f"line 2: '{trap}' is ")
     (tmp_path / "genome.yaml").write_text(f"evodevo_genome: 1\nabout: {{made: {trap}}}\nelements: []\n")
-    with pytest.raises(GenomeError, match="genome.yaml: line 2"):
+    with pytest.raises(GenomeError, match=r"genome.yaml: line 2"):
         load_genome(tmp_path / "genome.yaml")
 
 
@@ -189,7 +189,7 @@ def test_huge_values_are_cut_in_the_middle_and_the_mend_stays():
         deep = [deep]
     for value in (10**5000, "x" * 10**6, deep, [1] * 10**6, np.zeros(10**5)):
         assert len(shown(value)) <= 60
-        with pytest.raises(ParameterError, match="^material.stiffness is .*: give a number from 1e-06 to 1e\\+09") as caught:
+        with pytest.raises(ParameterError, match=r"^material.stiffness is .*: give a number from 1e-06 to 1e\+09") as caught:
             Material(stiffness=value)
         assert len(str(caught.value)) <= 300
     assert one_line("a" * 1000 + "\n" + "b" * 1000, 20) == "a" * 8 + " ... " + "b" * 7
@@ -197,7 +197,7 @@ def test_huge_values_are_cut_in_the_middle_and_the_mend_stays():
 
 @pytest.mark.parametrize("text", ["nan", "inf", "1_000", "１２", "0x10", "0b1", "017", "1:30", "", "1e", "x" * 10_000, "9" * 10_000, "-"])
 def test_settings_from_a_command_line_are_decimal_numbers(text):
-    with pytest.raises(ParameterError, match="^material.stiffness is ") as caught:
+    with pytest.raises(ParameterError, match=r"^material.stiffness is ") as caught:
         with_settings(Task(), {"material.stiffness": text})
     assert len(str(caught.value)) <= 300
 

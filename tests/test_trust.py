@@ -174,7 +174,7 @@ def test_a_genome_that_takes_too_much_memory_in_a_task_is_refused_before_any_of_
     assert needed(genome, task) > MOST_MEMORY
     evaluation = evaluate(genome, task)
     assert evaluation.status == Status.INVALID_GENOME and "lower development.max_cells" in evaluation.cause and len(evaluation.cause) <= 300
-    with pytest.raises(NotViable, match="lower development.max_cells"):
+    with pytest.raises(NotViable, match=r"lower development.max_cells"):
         Animat(genome, task)
 
 
@@ -190,7 +190,9 @@ def test_children_of_the_longest_genomes_are_no_longer(seed, less):
 
 def test_a_run_beside_a_rogue_is_the_run_without_one(tmp_path):
     """The whole command: a node that flatters from its second answer on, one good one; then the flatterer alone."""
-    small = ["--generations", "3", "--population", "10", "--cells", "8", "--seed", "3", "--set", "control_steps=40", "--scheme", "panmictic"]
+    small = [
+        "--generations", "3", "--population", "10", "--cells", "8", "--seed", "3", "--set", "control_steps=40", "--scheme", "panmictic",
+    ]
     task = with_settings(Task(), {"development.max_cells": 8, "control_steps": 40})
     evolution = Evolution(Settings(generations=3, population=10), 3)
     while not evolution.finished:

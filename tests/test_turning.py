@@ -73,7 +73,10 @@ def test_maps_compare_the_same_time_without_a_target():
 
 def made_up(turn=(0.0, 0.0), near=(0.0, 0.0), memory=0.0):
     zero = np.zeros((2, 3))
-    return Turning(np.array([1.0, 0.0]), zero[0, :2], zero.T, zero[:, :2], np.zeros((3, 2, 2)), np.array(turn), np.ones(2), zero, zero, np.array(near), memory)
+    return Turning(
+        np.array([1.0, 0.0]), zero[0, :2], zero.T, zero[:, :2], np.zeros((3, 2, 2)), np.array(turn), np.ones(2), zero, zero,
+        np.array(near), memory,
+    )
 
 
 def test_words_follow_from_the_numbers():
@@ -82,7 +85,9 @@ def test_words_follow_from_the_numbers():
     assert [made_up(memory=m).control for m in (0.01, 0.9, np.nan)] == ["reactive", "internal state", "indifferent"]
 
 
-@pytest.mark.parametrize("genome, task, says", [(pulsing(), Task(), "no targets"), (hand_made(), TASK, "never divided"), (dividing(), TASK, "does not swim")])
+@pytest.mark.parametrize(
+    "genome, task, says", [(pulsing(), Task(), "no targets"), (hand_made(), TASK, "never divided"), (dividing(), TASK, "does not swim")],
+)
 def test_what_has_no_turns_says_so(genome, task, says):
     with pytest.raises(ParameterError, match=says):
         turning(genome, task)

@@ -169,7 +169,7 @@ def test_noise_is_that_of_its_seed_and_without_it_no_bit_changes():
     one = {name: perform(dividing(), with_settings(TASK, {name: 0.1}), 2) for name in ("noise.concentrations", "noise.actuation")}
     assert [p.evaluation.metrics.activation_amplitude > 0.01 for p in one.values()] == [True, False]
     assert all(np.abs(p.velocity[100:]).max() > 0.1 for p in one.values())
-    with pytest.raises(ParameterError, match="noise.sensing is 0.5: leave it at 0 where the task is walk"):
+    with pytest.raises(ParameterError, match=r"noise.sensing is 0.5: leave it at 0 where the task is walk"):
         with_settings(TASK, {"noise.sensing": 0.5})
 
 
@@ -220,8 +220,10 @@ def test_the_command_line_takes_worlds_and_starts(tmp_path, capsys):
     assert task.scene.friction == 0.3 and task.scene.ground_y == (1.0, -1.0) and task.starts == 3
     assert task.scene.gravity == default_task("walk").scene.gravity
     for arguments, says in (
-        (["--task", "walk", "--world", "ruff"], "did you mean 'rough'"), (["--world", "rough"], "a world is for the task walk"),
-        (["--task", "walk", "--set", "scene.friction=-1"], "scene.friction is -1"), (["--task", "walk", "--starts", "0"], "task.starts is 0"),
+        (["--task", "walk", "--world", "ruff"], "did you mean 'rough'"),
+        (["--world", "rough"], "a world is for the task walk"),
+        (["--task", "walk", "--set", "scene.friction=-1"], "scene.friction is -1"),
+        (["--task", "walk", "--starts", "0"], "task.starts is 0"),
         (["--task", "walk", "--set", "scene.ground_x=3"], "give a world"),
     ):
         with pytest.raises(SystemExit) as raised:

@@ -54,10 +54,10 @@ def guard(cls: type) -> None:
     generated = cls.__eq__
 
     @functools.wraps(generated)
-    def __eq__(self, other):
+    def equal(self, other):
         if other.__class__ is self.__class__ and (holds_nan(self) or holds_nan(other)):
             raise AssertionError(f"a {cls.__name__} that holds NaN is compared by ==, which Pythons answer differently: use values.same")
         return generated(self, other)
 
     if not hasattr(generated, "__wrapped__"):
-        cls.__eq__ = __eq__
+        cls.__eq__ = equal

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import Any
 
 from evodevo_sim.ros.barrier import brief
 from evodevo_sim.ros.messages import evaluation_from_message
@@ -19,7 +20,7 @@ class AnswerError(ValueError):
     """An answer on which nothing can rest; the message says why, in one line."""
 
 
-def look_at(response, count: int) -> list[Evaluation]:
+def look_at(response: Any, count: int) -> list[Evaluation]:
     """The evaluations of an answer to a request of `count` genomes.  Raises AnswerError."""
     if response.error:
         raise AnswerError(brief(response.error))
@@ -41,8 +42,10 @@ def _evaluation(message) -> Evaluation:
             if not math.isfinite(getattr(part, name)):
                 raise AnswerError(f"it answers a {name} of {getattr(part, name)}")
     failed = status in FAILURE
-    if failed and fitness != FAILURE[status][0] or failed != bool(cause):
-        raise AnswerError(f"it answers a fitness of {fitness:g} {'with' if cause else 'without'} a cause of failure for the status {status.name}")
+    if (failed and fitness != FAILURE[status][0]) or failed != bool(cause):
+        raise AnswerError(
+            f"it answers a fitness of {fitness:g} {'with' if cause else 'without'} a cause of failure for the status {status.name}"
+        )
     return evaluation if len(cause) <= 300 else dataclasses.replace(evaluation, cause=brief(cause))
 
 

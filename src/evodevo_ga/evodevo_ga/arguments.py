@@ -6,7 +6,7 @@ import dataclasses
 import os
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from evodevo_sim.parameters import PRESETS, ParameterError, Task, default_task, known_kind, preset, with_settings
 from evodevo_sim.ros.command_line import Parser, pairs, real_number, whole_number
@@ -46,8 +46,8 @@ When there are none, or with --simulators N, evolve starts its own, one per core
 The run's directory holds a rosbag2 recording in MCAP and champion.yaml. See it by
   ros2 run evodevo_sim replay DIR
 
-Exit code: 0; 1 where nothing viable evolved, the best of all having failed; 2 for bad input, or where no simulator is left; 130 where Ctrl-C, SIGTERM or a terminal that closed ended it early.
-That ends in good order: the best animat is audited and recorded. A second Ctrl-C ends at once, and keeps what was recorded.
+Exit code: 0; 1 where nothing viable evolved, the best of all having failed; 2 for bad input, or where no simulator is left; 130
+where Ctrl-C, SIGTERM or a terminal that closed ended it early. That ends in good order: the best animat is audited and recorded. A second Ctrl-C ends at once, and keeps what was recorded.
 A closed output, as of `evolve | head`, ends nothing.
 """
 _NUMBER = {int: whole_number, float: real_number}
@@ -69,15 +69,20 @@ class Options:
 def parse(arguments: list[str]) -> Options:
     """Options of a command line.  Leaves with exit code 2 and one line where something is wrong."""
     parser = Parser("evolve", "Evolve soft-bodied animats that grow from one cell and move without a central controller.", _EPILOG)
-    parser.add_argument("--task", default=names()[0], metavar="NAME", help=f"what to evolve for: {', '.join(names())} (default %(default)s)")
+    what = f"what to evolve for: {', '.join(names())} (default %(default)s)"
+    parser.add_argument("--task", default=names()[0], metavar="NAME", help=what)
     parser.add_argument("--world", metavar="NAME|FILE", help="walk: flat, slope, steps, rough, obstacles, gap, or a file of your own (default flat)")
     starts = f"walk: orientations at birth, of which the worse half counts (default {default_task('walk').starts})"
     parser.add_argument("--starts", type=whole_number, metavar="N", help=starts)
     parser.add_argument("--cells", default=32, type=whole_number, metavar="N", help="most cells of a body (default %(default)s)")
-    parser.add_argument("--seed", default=1, type=whole_number, metavar="N", help="same seed, same champions, bit for bit (default %(default)s)")
+    parser.add_argument(
+        "--seed", default=1, type=whole_number, metavar="N", help="same seed, same champions, bit for bit (default %(default)s)"
+    )
     parser.add_argument("--out", metavar="DIR", help="directory of the run, made anew (default bags/TASK-DATE-TIME)")
     parser.add_argument("--simulators", type=whole_number, metavar="N", help="start N simulator nodes of our own, whatever is on the graph")
-    parser.add_argument("--look", default=1.5, type=real_number, metavar="S", help="seconds to look for simulators on the graph (default %(default)s)")
+    parser.add_argument(
+        "--look", default=1.5, type=real_number, metavar="S", help="seconds to look for simulators on the graph (default %(default)s)"
+    )
     parser.add_argument("--start", nargs="+", default=[], metavar="FILE|DIR", help="genomes to begin from, or runs with a champion.yaml")
     parser.add_argument("--quiet", action="store_true", help="no progress bar, and no table of times")
     group = parser.add_argument_group("genetic algorithm")
@@ -92,7 +97,8 @@ def parse(arguments: list[str]) -> Options:
             help=f"{field.metadata['meaning']} (default {_defaults(field)})",
         )
     parser.add_argument("--preset", metavar="NAME", help=f"a named set of numbers of the model: {', '.join(PRESETS)}")
-    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="set a number of the model, e.g. material.stiffness=300")
+    sets = "set a number of the model, e.g. material.stiffness=300"
+    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help=sets)
     given = parser.parse_args(without_ros(arguments))
     from evodevo_sim.genetics.genome import GenomeError
     from evodevo_sim.genetics.genome_file import load_genome
@@ -104,9 +110,10 @@ def parse(arguments: list[str]) -> Options:
         task = default_task(given.task)
         if given.world is not None:
             task = with_world(task, given.world)
-        starts = {} if given.starts is None else {"starts": given.starts}
-        named = preset(given.preset) if given.preset else {}
-        task = with_settings(task, {"development.max_cells": given.cells, **starts, **named, **pairs(given.set)})
+        numbers: dict[str, object] = {"development.max_cells": given.cells}
+        if given.starts is not None:
+            numbers["starts"] = given.starts
+        task = with_settings(task, numbers | (preset(given.preset) if given.preset else {}) | dict(pairs(given.set)))
         chosen = {field.name: getattr(given, field.name) for field in dataclasses.fields(Settings)}
         chosen = {name: value for name, value in chosen.items() if value is not None}
         name = default_scheme(task.name, chosen) if given.scheme is None else given.scheme
@@ -130,8 +137,10 @@ def parse(arguments: list[str]) -> Options:
 
 def _defaults(field) -> str:
     named = {name: known_kind(name).search for name in names()} | {one.name: one.settings for one in SCHEMES.values()}
-    words = {UNLIMITED: "without limit"}
-    differ = [f"{words.get(settings[field.name], settings[field.name])} for {name}" for name, settings in named.items() if field.name in settings]
+    words: dict[Any, str] = {UNLIMITED: "without limit"}
+    differ = [
+        f"{words.get(settings[field.name], settings[field.name])} for {name}" for name, settings in named.items() if field.name in settings
+    ]
     return ", ".join([str(field.default), *differ])
 
 

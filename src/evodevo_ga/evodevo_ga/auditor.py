@@ -38,10 +38,10 @@ class Auditor:
         self._under_way: list[tuple[int, Individual, Future]] = []
         self.done, self.cpu = 0, 0.0
 
-    def __enter__(self):
+    def __enter__(self) -> Auditor:
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: object) -> None:
         self._pool.shutdown(wait=True, cancel_futures=True)
 
     def submit(self, generation: int, champion: Individual) -> None:

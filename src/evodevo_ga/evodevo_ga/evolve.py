@@ -141,7 +141,8 @@ class _Run:
 
     def _find(self) -> list[str]:
         """The simulators on the graph.  Discovery goes on in threads of its own since the node began, also while we compiled."""
-        found, until = [], max(self.began + self.options.look, time.monotonic() + _MORE)
+        found: list[str] = []
+        until = max(self.began + self.options.look, time.monotonic() + _MORE)
         while time.monotonic() < until and not self.stop():
             services = find_simulators(self.node)
             if services != found:
@@ -169,7 +170,8 @@ class _Run:
                 with self.times(RECORDING):
                     self._record(generation, rate)
                 bar.set_postfix_str(
-                    f"best {generation.best:.3f}, median {generation.median:.3f}, diversity {generation.diversity:.2f}, {rate:.0f} evaluations/s",
+                    f"best {generation.best:.3f}, median {generation.median:.3f}, diversity {generation.diversity:.2f}, "
+                    f"{rate:.0f} evaluations/s",
                     refresh=False,
                 )
                 bar.update()
@@ -179,16 +181,17 @@ class _Run:
         message = statistics_message(generation, rate, now * 1e-9)
         self.recorder.write(topics.STATISTICS.name, message, now)
         if generation.improved:
-            self.champion, self.verdict = self.evolution.champion, _NOT_AUDITED
-            champion = champion_message(generation.generation, self.champion, now * 1e-9)
-            self.recorder.write(topics.CHAMPION.name, champion, now)
+            champion = self.champion = self.evolution.champion
+            self.verdict = _NOT_AUDITED
+            told = champion_message(generation.generation, champion, now * 1e-9)
+            self.recorder.write(topics.CHAMPION.name, told, now)
         self.recorder.flush()  # before anybody hears of it
         self.statistics.publish(message)
         if generation.improved:
-            self.champions.publish(champion)
-            _save(self.options, generation.generation, self.champion, self.verdict)
-            if self.options.task.kind.audit is not None and not self.champion.evaluation.cause:
-                self.auditor.submit(generation.generation, self.champion)
+            self.champions.publish(told)
+            _save(self.options, generation.generation, champion, self.verdict)
+            if self.options.task.kind.audit is not None and not champion.evaluation.cause:
+                self.auditor.submit(generation.generation, champion)
         while self.auditor.ready:
             self._record_finding(self.auditor.next_finding())
 
@@ -213,10 +216,10 @@ class _Run:
             self._record_finding(self.auditor.next_finding())
 
     def _finish(self) -> int:
-        if not self.evolution.population:
+        champion = self.champion
+        if champion is None:  # it is found with the first generation
             print(f"Stopped before the first generation: {self.options.out} holds the settings alone.")
             return 130
-        champion = self.champion
         with self.times(AUDITS):
             self._finish_audits()
         with self.times(CHAMPION):
@@ -230,7 +233,8 @@ class _Run:
             print(f"evolve: {self._why_nothing_evolved()}", file=sys.stderr)
         print(
             f"{self.evolution.generation + 1} generations, {self.evolution.evaluations} evaluations. "
-            f"{'Champion' if viable else 'Best of those that failed'}: fitness {champion.evaluation.fitness:.3f}, {m.cells} cells, {m.chambers} chambers, "
+            f"{'Champion' if viable else 'Best of those that failed'}: fitness {champion.evaluation.fitness:.3f}, "
+            f"{m.cells} cells, {m.chambers} chambers, "
             f"{m.distance:.2f} cell diameters in all, {m.distance_second_half:.2f} in the second half, "
             f"activation amplitude {m.activation_amplitude:.2f}.\n"
             f"Audit:    {self.verdict}\n"
@@ -241,7 +245,7 @@ class _Run:
         if not self.options.quiet:
             note = f"beside it: {self.auditor.done} audits, {self.auditor.cpu:.1f} s of one core"
             Console().print(table(self.times.seconds(), note))
-        return exit_code() if exit_code() else 0 if viable else 1
+        return exit_code() or (0 if viable else 1)
 
     def _why_nothing_evolved(self) -> str:
         """Of a run whose best individual failed: what most of the last population failed by, and the mend."""

@@ -26,7 +26,9 @@ def check(task: Task, settings: Settings, start: Sequence[Genome] = ()) -> None:
 def _check_growth(task: Task) -> None:
     d = task.development
     if d.max_cells < _LEAST_CELLS:
-        raise ParameterError(f"development.max_cells is {d.max_cells}: give {_LEAST_CELLS} or more, a body without a chamber scores nothing")
+        raise ParameterError(
+            f"development.max_cells is {d.max_cells}: give {_LEAST_CELLS} or more, a body without a chamber scores nothing"
+        )
     # The division factor starts at 0 and goes a share of the way to its target, which is below 1, in each step.
     most = 1.0 - (1.0 - d.regulation_rate) ** d.steps
     if most <= d.division_threshold:
@@ -48,8 +50,8 @@ def _check_physics(task: Task) -> None:
     need = task.control_step * max(frequency, 2.0 * m.damping / m.mass) / ACCURATE_RK4
     if need > MOST_SUBSTEPS:
         raise ParameterError(
-            f"task.control_step is {task.control_step:g}: give less than {task.control_step * MOST_SUBSTEPS / need:.3g} s, or lower material."
-            f"stiffness, damping or pressure: every body would need more than {MOST_SUBSTEPS} physics steps in each"
+            f"task.control_step is {task.control_step:g}: give less than {task.control_step * MOST_SUBSTEPS / need:.3g} s, "
+            f"or lower material.stiffness, damping or pressure: every body would need more than {MOST_SUBSTEPS} physics steps in each"
         )
 
 
@@ -66,4 +68,6 @@ def _check_search(task: Task, settings: Settings, start: Sequence[Genome]) -> No
         raise ParameterError("settings.units is 0: give 1 or more, or genomes by --start: without units no muscle can oscillate")
     moves = (s.point_mutation or (s.scent_mutation and task.has_target)) and s.point_scale
     if not (moves or s.crossover or s.duplication or s.deletion or s.flip):
-        raise ParameterError("settings.point_mutation is 0, and so is every other operator: give one of them more, or no child differs from its parent")
+        raise ParameterError(
+            "settings.point_mutation is 0, and so is every other operator: give one of them more, or no child differs from its parent"
+        )

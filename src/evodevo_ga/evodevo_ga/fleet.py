@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import time
 from collections import Counter, deque
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 from evodevo_sim.ros.barrier import brief, told
 from evodevo_sim.ros.messages import genome_message, task_message
@@ -35,7 +37,7 @@ class FleetError(RuntimeError):
     """No simulator can go on; the message says why and what to do."""
 
 
-def find_simulators(node) -> list[str]:
+def find_simulators(node: Any) -> list[str]:
     """The evaluate services on the graph.  Those in hidden namespaces (`/_...`) belong to other runs."""
     services = node.get_service_names_and_types()
     return sorted(name for name, types in services if SERVICE_TYPE in types and "/_" not in name)
@@ -54,8 +56,8 @@ def batches(count: int, servers: int) -> list[list[int]]:
 @dataclass
 class _Request:
     genomes: list[int]  # places in the generation
-    server: object
-    future: object
+    server: Any  # a client of rclpy
+    future: Any  # of rclpy
     deadline: float
 
 
@@ -83,7 +85,7 @@ class Fleet:
     Args: node, executor: of the caller, who owns them; services: names of `evaluate` services; times: told how long messages take.
     """
 
-    def __init__(self, node, executor, services: list[str], times: Times | None = None):
+    def __init__(self, node: Any, executor: Any, services: list[str], times: Times | None = None):
         self._times = times or Times()
         group = ReentrantCallbackGroup()
         self._executor = executor
@@ -94,7 +96,7 @@ class Fleet:
     def __len__(self) -> int:
         return len(self._servers)
 
-    def wait(self, seconds: float, alive=lambda: True, stop=lambda: False) -> None:
+    def wait(self, seconds: float, alive: Callable[[], bool] = lambda: True, stop: Callable[[], bool] = lambda: False) -> None:
         """Wait until every service answers, or `stop()`; those that do not in time are dropped.
 
         Raises FleetError when none answers, or when `alive()` says that one cannot.
@@ -110,7 +112,7 @@ class Fleet:
                 silent[0].wait_for_service(timeout_sec=0.05)
 
     def evaluate(
-        self, genomes: list[Genome], task: Task, seed: int, stop=lambda: False, best: float = float("-inf")
+        self, genomes: list[Genome], task: Task, seed: int, stop: Callable[[], bool] = lambda: False, best: float = float("-inf")
     ) -> list[Evaluation] | None:
         """Evaluate genomes in order; None when `stop()` said to stop.
 
@@ -122,7 +124,7 @@ class Fleet:
         work = _Generation(genomes, task, seed, deque(batches(len(genomes), len(self._servers))), [None] * len(genomes))
         while self._share(work, stop):
             if self._best_is_right(work, best):
-                return work.results
+                return [one for one in work.results if one is not None]  # all, since nothing waits
         return None
 
     def _share(self, work: _Generation, stop) -> bool:
@@ -211,13 +213,15 @@ class Fleet:
 
     def _best_is_right(self, work: _Generation, best: float) -> bool:
         """Whether the best of a generation, if it is better than `best`, is so by our own evaluation too; else who gave it is dropped."""
-        if not work.results:
+        found = [(one.fitness, -place, one) for place, one in enumerate(work.results) if one is not None]
+        if not found:
             return True
-        place = max(range(len(work.results)), key=lambda i: work.results[i].fitness)
-        if not work.results[place].fitness > best or place not in work.by:
+        fitness, place, evaluation = max(found, key=lambda of: of[:2])  # of equals the first one
+        place = -place
+        if not fitness > best or place not in work.by:
             return True
         try:
-            self._prove(place, work.results[place], work)
+            self._prove(place, evaluation, work)
         except AnswerError as error:
             self._reject(work.by[place], str(error), work)
             return False
@@ -252,6 +256,7 @@ class Fleet:
         self._servers.remove(server)
         if not self._servers:
             raise FleetError(
-                f"no simulator is left, the last one was {server.srv_name}: {brief(reason, 160)}: run again with --simulators 2 to start two"
+                f"no simulator is left, the last one was {server.srv_name}: {brief(reason, 160)}: "
+                "run again with --simulators 2 to start two"
             )
         self._node.get_logger().warning(brief(f"going on without simulator {server.srv_name}: {reason}"))

@@ -72,8 +72,9 @@ def _made_like(example: Any, plain: Any) -> Any:
     """The plain value in the type of the example: a number, or a dataclass of such, whole."""
     if not dataclasses.is_dataclass(example):
         return index(plain) if isinstance(example, int) else float(plain)
-    names = [field.name for field in dataclasses.fields(example)]
-    return type(example)(**{name: _made_like(getattr(example, name), plain[name]) for name in names})
+    cls: Any = type(example)
+    names = [field.name for field in dataclasses.fields(cls)]
+    return cls(**{name: _made_like(getattr(example, name), plain[name]) for name in names})
 
 
 def _text(value: Any) -> str:

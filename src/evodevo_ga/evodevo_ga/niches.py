@@ -36,7 +36,8 @@ class Niches(Panmictic):
 
     def breed(self, population: list[Individual], generation: int, rng: np.random.Generator) -> list[Child]:
         """Children of parents of one niche each, which is drawn evenly from those that are settled."""
-        s, niches = self.settings, {}
+        s = self.settings
+        niches: dict[int, list[Individual]] = {}
         for one in population:
             niches.setdefault(self.group(one), []).append(one)
         settled = [Parents(individuals) for individuals in niches.values()]

@@ -47,5 +47,5 @@ class Search(ABC):
         """What it knows beside the population, as plain data: dicts with names, lists, numbers, texts."""
         return {}
 
-    def restore(self, state: dict[str, Any]) -> None:
+    def restore(self, state: dict[str, Any]) -> None:  # noqa: B027  (a scheme that knows nothing has nothing to restore)
         """Know again what `state` gave away."""

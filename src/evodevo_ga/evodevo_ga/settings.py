@@ -20,14 +20,18 @@ class Settings(Checked):
     patience: int = parameter(500, 1, 1_000_000_000, "", "generations without improvement that end a run")
     elite: int = parameter(2, 1, 1_000_000, "", "best individuals, of each layer or niche, that live on unchanged")
     tournament: int = parameter(4, 1, 1_000_000, "", "individuals drawn to choose a parent")
-    layers: int = parameter(1, 1, 1000, "", "of ages (ALPS), equal parts of the population; 1: none, every individual competes with every other")
+    layers: int = parameter(
+        1, 1, 1000, "", "of ages (ALPS), equal parts of the population; 1: none, every individual competes with every other"
+    )
     age_gap: int = parameter(20, 1, 1_000_000_000, "", "generations after which random genomes fill the youngest layer again")
     niches: int = parameter(1, 1, 1000, "", "of body shapes, equal parts of the population that do not compete; 1: none")
     founders: int = parameter(0, 0, 1_000_000, "", "genomes in the first generation, of which the best stay; 0: as many as the population")
     crossover: float = parameter(0.2, 0.0, 1.0, "", "share of the children that have two parents")
     point_mutation: float = parameter(0.03, 0.0, 1.0, "", "probability that an element's point moves")
     point_scale: float = parameter(1.0, 0.0, 1e3, "", "standard deviation of the length of that move")
-    point_decades: float = parameter(0.0, 0.0, 10.0, "", "powers of ten below point_scale down to which each child draws a scale of its own")
+    point_decades: float = parameter(
+        0.0, 0.0, 10.0, "", "powers of ten below point_scale down to which each child draws a scale of its own"
+    )
     duplication: float = parameter(0.05, 0.0, 1.0, "", "probability per child")
     deletion: float = parameter(0.05, 0.0, 1.0, "", "probability per child")
     run_length: float = parameter(2.6, 1.0, 1e3, "", "mean elements in a duplicated or deleted run")
@@ -42,7 +46,9 @@ class Settings(Checked):
         super().__post_init__()
         for name in ("layers", "niches"):
             if self.population % getattr(self, name):
-                raise ParameterError(f"settings.{name} is {getattr(self, name)}: give a number that divides the population of {self.population}")
+                raise ParameterError(
+                    f"settings.{name} is {getattr(self, name)}: give a number that divides the population of {self.population}"
+                )
         if self.layers > 1 and self.niches > 1:
             raise ParameterError(f"settings.niches is {self.niches} and settings.layers {self.layers}: give 1 for one of them")
         what = "a layer" if self.layers > 1 else "a niche"

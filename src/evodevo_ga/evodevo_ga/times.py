@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from rich.table import Table
@@ -19,7 +19,7 @@ class Times:
         with times(EVALUATION): ...
     """
 
-    def __init__(self, clock=time.perf_counter):
+    def __init__(self, clock: Callable[[], float] = time.perf_counter):
         self._clock, self._mark = clock, clock()
         self._under_way = [REST]
         self._seconds: dict[str, float] = {}

@@ -32,7 +32,9 @@ class Parents:
 def child_of(parents: Parents, settings: Settings, rng: np.random.Generator, layer: int = 0) -> Child:
     """A child of one parent, or of two by crossover; then mutated.  It is as old as the older of them."""
     mother = parents.draw(rng, settings.tournament)
-    genome, born, numbers, made = mother.genome, mother.born, (mother.number,), ()
+    genome, born = mother.genome, mother.born
+    numbers: tuple[int, ...] = (mother.number,)
+    made: tuple[str, ...] = ()
     if rng.random() < settings.crossover:
         father = parents.draw(rng, settings.tournament)
         genome, born = crossover(genome, father.genome, rng), min(born, father.born)

@@ -26,19 +26,18 @@ import signal
 import sys
 import threading
 from collections.abc import Callable
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from typing import Any
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 _GONE = (errno.EPIPE, errno.EIO)  # the reader of a pipe left; a terminal was closed
 
 _ending: list[Callable[[], None]] = []  # what is to be done before the process ends early, the last first
 _asked: list[Callable[[int], None]] = []  # told of the first signal within `heeded`
-_heard = 0  # number of the first signal within `heeded`
+_heard: list[int] = []  # number of the first signal within `heeded`, if one came
 
 
-def _code_of(number: int) -> int:
-    """The exit code after a signal; a command may have another rule."""
-    return 128 + number
+_rule: list[Callable[[int], int]] = [lambda number: 128 + number]  # the last one tells the exit code after a signal
 
 
 @contextmanager
@@ -63,17 +62,15 @@ def heeded(ask: Callable[[int], None]):
 
 def exit_code(otherwise: int = 0) -> int:
     """128 + the number of the signal that was heeded, or else `otherwise`."""
-    return _code_of(_heard) if _heard else otherwise
+    return _rule[-1](_heard[0]) if _heard else otherwise
 
 
 def end_now(code: int) -> None:
     """End the process, whatever its other threads do, after what `if_ended` was given.  They say nothing more."""
-    sys.stdout = sys.stderr = open(os.devnull, "w")
+    sys.stdout = sys.stderr = open(os.devnull, "w")  # noqa: SIM115  # as long as the process lives
     for undo in _ending[::-1]:  # as it is: the other thread may leave its contexts meanwhile
-        try:
+        with suppress(Exception):  # the next one must have its turn
             undo()
-        except Exception:  # the next one must have its turn
-            pass
     os._exit(code)
 
 
@@ -87,8 +84,7 @@ def command(load: Callable[[], Callable[[list[str]], int]] | None = None, *, cod
 
     @functools.wraps(load)
     def entry() -> int | str:
-        global _code_of
-        _code_of = code_of or _code_of
+        _rule.append(code_of or _rule[0])
         _open_descriptors()
         reader, writer = _hear()
         _wrap_streams()
@@ -114,12 +110,11 @@ def _hear() -> tuple[int, int]:
 
 
 def _take(number: int, _frame) -> None:
-    global _heard
     if _asked and not _heard:
-        _heard = number
+        _heard.append(number)
         _asked[-1](number)
     elif not (_asked and number == signal.SIGHUP):
-        end_now(_code_of(number))
+        end_now(_rule[-1](number))
 
 
 def _in_a_thread(load, reader: int, writer: int) -> int | str | BaseException:
@@ -175,7 +170,7 @@ class _Outlet(io.FileIO):
     failure: OSError | None = None
     _dead = False
 
-    def write(self, data) -> int | None:
+    def write(self, data: Any) -> int | None:  # type: ignore[override]  # of bytes or any buffer, as its base
         if not self._dead:
             try:
                 return super().write(data)
@@ -189,9 +184,13 @@ class _Outlet(io.FileIO):
 class _Stream(io.TextIOWrapper):
     """A standard stream of text on an `_Outlet`."""
 
+    def __init__(self, outlet: _Outlet, encoding: str, errors: str | None, lines: bool, at_once: bool):
+        self.outlet = outlet
+        super().__init__(io.BufferedWriter(outlet), encoding, errors, line_buffering=lines, write_through=at_once)
+
     @property
     def failure(self) -> OSError | None:
-        return self.buffer.raw.failure
+        return self.outlet.failure
 
 
 def _open_descriptors() -> None:
@@ -205,10 +204,10 @@ def _open_descriptors() -> None:
 
 def _wrap_streams() -> None:
     """Let the readers of standard output and error leave."""
-    sys.stdin = sys.stdin or open(0, closefd=False)
+    sys.stdin = sys.stdin or open(0, closefd=False)  # noqa: SIM115  # as long as the process lives
     for name, number in (("stdout", 1), ("stderr", 2)):
         before = getattr(sys, name)
         encoding, errors = (before.encoding, before.errors) if before else ("utf-8", "backslashreplace")
         outlet = _Outlet(number, "w", closefd=False)
         lines, at_once = number == 2 or outlet.isatty(), bool(before and before.write_through)
-        setattr(sys, name, _Stream(io.BufferedWriter(outlet), encoding, errors, line_buffering=lines, write_through=at_once))
+        setattr(sys, name, _Stream(outlet, encoding, errors, lines, at_once))

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from types import ModuleType
+from typing import Any
 
 
-def lazily(names: dict[str, object], load: Callable[[], ModuleType]) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
+def lazily(names: dict[str, Any], load: Callable[[], ModuleType]) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
     """`__getattr__` and `__dir__` of a package.
 
     Args: names: its `globals()`, with an `__all__`; load: imports and returns the module that has all of `__all__`.

@@ -14,6 +14,7 @@ import os
 import re
 import stat
 from datetime import datetime, timedelta, timezone
+from typing import Any
 
 import yaml
 from yaml.events import (
@@ -86,7 +87,7 @@ def _decoded(data, path, error, give):
     return text
 
 
-def parsed(text: str, error: type[InputError]):
+def parsed(text: str, error: type[InputError]) -> Any:
     """What a text of YAML or JSON says: dicts with keys of text, lists, text, numbers, booleans and None.
 
     Args: error: what is raised, with the line or key, and the mend.
@@ -115,8 +116,7 @@ def parsed(text: str, error: type[InputError]):
         where = f" from line {mark.line + 1} on" if mark else ""
         raise error(f"neither YAML nor JSON{where} ({fault.problem}): mend its syntax") from None
     except (yaml.YAMLError, UnicodeEncodeError) as fault:  # characters that cannot be printed
-        position = getattr(fault, "position", None)
-        position = fault.start if position is None else position
+        position = fault.start if isinstance(fault, UnicodeEncodeError) else getattr(fault, "position", 0)
         line = text.count("\n", 0, position) + 1
         raise error(f"line {line}: {shown(text[position : position + 1])} is no character of YAML: delete it") from None
 
@@ -209,9 +209,9 @@ def _can_be(date):
     """Whether a match of _DATE is a day and time that there is; no match can be anything."""
     if date is None:
         return True
-    *moment, hours, minutes = (int(part or 0) for part in date.groups())
+    year, month, day, hour, minute, second, hours, minutes = (int(part or 0) for part in date.groups())
     try:
-        datetime(*moment, tzinfo=timezone(timedelta(hours=hours, minutes=minutes)))
+        datetime(year, month, day, hour, minute, second, tzinfo=timezone(timedelta(hours=hours, minutes=minutes)))
     except ValueError:
         return False
     return True

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -11,7 +12,7 @@ from .command_process import if_ended
 
 
 @contextmanager
-def written_whole(path: str | os.PathLike, ending: str = ""):
+def written_whole(path: str | os.PathLike, ending: str = "") -> Iterator[str]:
     """The name of a temporary file that takes the place of `path` when all went well, and vanishes when not.  Raises OSError."""
     path = Path(path)
     handle, name = tempfile.mkstemp(ending, f".{path.stem}-", path.parent)

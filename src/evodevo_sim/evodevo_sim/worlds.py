@@ -44,7 +44,7 @@ PRESETS = {
 
 def with_world(task: Task, name: str | os.PathLike) -> Task:
     """A task in the world of a preset's name or of a file.  Raises ParameterError that names what is wrong and the mend."""
-    document = PRESETS.get(str(name))
+    document: object = PRESETS.get(str(name))
     if document is None:
         if not os.path.exists(name):
             near = nearest(name, PRESETS)
@@ -58,7 +58,7 @@ def with_world(task: Task, name: str | os.PathLike) -> Task:
         raise ParameterError(f"world {name}: {error}") from None
 
 
-def scene_of(document: dict) -> dict:
+def scene_of(document: object) -> dict:
     """The fields of `parameters.Scene` that a world's document sets.  Raises ParameterError."""
     if not isinstance(document, dict):
         raise ParameterError(f"it is {shown(document)}: give keys and values, e.g. friction: 0.8")

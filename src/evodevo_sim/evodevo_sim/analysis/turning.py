@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -123,7 +124,7 @@ def _kept(genome, task, seed, shown):
     return result, track[:, : result.cells], traces[:, : result.cells]
 
 
-def memory_of(genome: Genome, task: Task, track, target) -> float:
+def memory_of(genome: Genome, task: Task, track: Any, target: Any) -> float:
     """How much of what scent does to muscles depends on its history at equal concentration: 0 is purely reactive.
 
     The networks run without the body, on a tape of the scents that each cell met.  Up to a moment the tape is shuffled in time,
@@ -145,14 +146,16 @@ def memory_of(genome: Genome, task: Task, track, target) -> float:
         effect = _rms(true[seen] - without[seen])
         if not effect > 1e-6:
             continue
-        histories = [tape[rng.permutation(moment)] for _ in range(_SHUFFLES - 1)] + [np.broadcast_to(tape[:moment].mean(0), tape[:moment].shape)]
+        histories = [tape[rng.permutation(moment)] for _ in range(_SHUFFLES - 1)] + [
+            np.broadcast_to(tape[:moment].mean(0), tape[:moment].shape)
+        ]
         for history in histories:
             other = actuation(genome, task, np.concatenate((history, tape[moment:]))[: seen.stop])
             shares.append(_rms(other[seen] - true[seen]) / effect)
     return float(np.mean(shares)) if shares else float("nan")
 
 
-def actuation(genome: Genome, task: Task, tape) -> np.ndarray:
+def actuation(genome: Genome, task: Task, tape: np.ndarray) -> np.ndarray:
     """Muscles (T, N) of e - c that a genome's networks make of a tape of scents (T, N), whatever the body does."""
     brain = Animat(genome, task).brain.brain
     arguments, continual = task.development.arguments(), task.development.variant == "continual_graph"

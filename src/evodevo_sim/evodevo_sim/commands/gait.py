@@ -81,7 +81,7 @@ def _track(given) -> Track:
     if not is_recording(path):
         if given.walk:
             raise ParameterError("--walk is for a recording: the task of a genome says whether it walks")
-        genome, task = load_genome(path), with_settings(Task(), pairs(given.set))
+        genome, task = load_genome(path), with_settings(Task(), dict(pairs(given.set)))
         say_if_compiling("kernel.swim")
         return track_of_performance(perform(genome, task), task)
     if given.set:

@@ -94,8 +94,8 @@ def _replay(options: argparse.Namespace) -> int:
         print(f"replay: {viewer.NO_RERUN}", file=sys.stderr)
         return 0
     target = options.save or _beside(source)
-    with files.whole(target, ".rrd") as file, _bar("Saving") as step:
-        viewer.save(recording, life, file, step, options.palette)
+    with files.whole(target, ".rrd") as whole, _bar("Saving") as step:
+        viewer.save(recording, life, whole, step, options.palette)
     print(f"Saved {target}.  See it:   {viewer.COMMAND} {shlex.quote(str(target))}", flush=True)
     return viewer.show(target) if opens else 0
 
@@ -104,12 +104,12 @@ def _newest(directory: Path) -> Path:
     """The recording whose files were written last."""
     from ..recording import RecordingError
 
-    written = {}
+    written: dict[Path, float] = {}
     for file in (*directory.glob("**/*.mcap"), *directory.glob("**/*.db3")):
         written[file.parent] = max(file.stat().st_mtime, written.get(file.parent, 0.0))
     if not written:
         raise RecordingError(f"{directory}/ holds no recording: make one by `ros2 run evodevo_ga evolve`, or name one")
-    return max(written, key=written.get)
+    return max(written, key=written.__getitem__)
 
 
 def _beside(source: Path) -> Path:

@@ -6,7 +6,7 @@ import os
 import sys
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..parameters import ParameterError
 from ..ros.command_line import Parser, real_number, say_if_compiling, see_it
@@ -14,6 +14,7 @@ from ..ros.environment import need_no_graph, without_ros
 from ..whole_file import written_whole
 
 if TYPE_CHECKING:
+    from ..own_body.body_file import OwnBody
     from ..own_body.motion import Motion
 
 _EPILOG = """\
@@ -90,7 +91,7 @@ def _refuse_existing(given):
         raise RecordingError(f"{given.npz}: its directory does not exist: make it, or choose another name")
 
 
-def record_motion(recorder, own, motion: Motion, stamp: int) -> None:
+def record_motion(recorder: Any, own: OwnBody, motion: Motion, stamp: int) -> None:
     """Write a motion to a `Recorder` from `stamp` ns on, in about 60 frames a second."""
     from ..own_body.motion import FRAME
     from ..ros.messages import body_message, cell_states_message, scene_message

@@ -10,7 +10,9 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import yaml
 
@@ -23,7 +25,7 @@ VERSION = 1
 _KIND_NUMBER = {name: number for number, name in enumerate(KINDS)}
 
 
-def genome_text(genome: Genome, about: dict[str, str] | None = None) -> str:
+def genome_text(genome: Genome, about: Mapping[str, object] | None = None) -> str:
     """The text of a genome file; `about` is free: what the genome is and where it comes from."""
     lines = [f"evodevo_genome: {VERSION}"]
     if about:
@@ -41,7 +43,7 @@ def _number(value: float) -> str:
     return mantissa + (".0" if e and "." not in mantissa else "") + e + exponent
 
 
-def save_genome(path: str | os.PathLike, genome: Genome, about: dict[str, str] | None = None) -> None:
+def save_genome(path: str | os.PathLike, genome: Genome, about: Mapping[str, object] | None = None) -> None:
     """Write a genome file, whole or not at all."""
     with written_whole(path) as name:
         Path(name).write_text(genome_text(genome, about), encoding="utf-8")
@@ -73,7 +75,8 @@ def parse_genome(text: str) -> Genome:
     if not isinstance(elements, list):
         raise GenomeError("'elements' is missing or not a list: give one entry per genetic element")
     columns = [_element(i, entry) for i, entry in enumerate(elements)]
-    return Genome(*([column[k] for column in columns] for k in range(4)))
+    rows: list[Any] = [[column[k] for column in columns] for k in range(4)]  # it makes arrays of them
+    return Genome(*rows)
 
 
 def _element(i, entry):

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import queue
 import threading
 import time
+from collections.abc import Callable
 from concurrent.futures import Future
 
 from ..genetics.genome import Genome
@@ -87,7 +89,10 @@ class Stage:
     time, changes nothing.
     """
 
-    def __init__(self, show, stopped, every: int = 1, act=None):
+    def __init__(
+        self, show: Callable[[Animat], None], stopped: Callable[[str], None], every: int = 1,
+        act: Callable[[Animat], None] | None = None,
+    ):
         self.every = every
         self._show, self._stopped, self._act = show, stopped, act
         self._asked: queue.SimpleQueue = queue.SimpleQueue()
@@ -159,24 +164,25 @@ class Stage:
             except BaseException as error:
                 future.set_exception(error)
 
-    def _step(self):
+    def _step(self) -> None:
         self._due = max(self._due + self._interval, time.monotonic() - _CATCH_UP)
+        animat = self._animat
+        if animat is None:
+            return
         try:
-            self._animat.target = self._target
-            self._animat.step()
+            animat.target = self._target
+            animat.step()
             if self._act:
-                self._act(self._animat)
-            if self._animat.steps % self.every == 0:
-                self._show(self._animat)
-            cause = self._animat.cause
+                self._act(animat)
+            if animat.steps % self.every == 0:
+                self._show(animat)
+            cause = animat.cause
         except Exception as error:
             cause = f"unexpectedly: {error!r}"
         if cause:
             self._animat, self._paused = None, False
-            try:
+            with contextlib.suppress(Exception):  # nobody is left to be told
                 self._stopped(cause)
-            except Exception:  # nobody is left to be told
-                pass
 
     def _enter(self, animat, interval):
         others = self._animat is not None

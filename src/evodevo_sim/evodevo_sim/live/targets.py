@@ -6,6 +6,7 @@ import csv
 import io
 import math
 import os
+from collections.abc import Iterable
 from itertools import islice
 
 import numpy as np
@@ -21,10 +22,10 @@ MOST_POINTS = 100_000
 class Drawn:
     """Targets at given points (K, 2) m, in their order."""
 
-    def __init__(self, points):
+    def __init__(self, points: Iterable):
         self._points = [tuple(point) for point in np.asarray(points, float).tolist()]
 
-    def following(self, centre) -> tuple[float, float] | None:
+    def following(self, centre: np.ndarray) -> tuple[float, float] | None:
         """The next target for an animat at `centre` (2,) m, or None when there is none."""
         return self._points.pop(0) if self._points else None
 
@@ -40,7 +41,7 @@ class Random:
             raise ParameterError(f"distances of {nearest:g} to {farthest:g} m: give two numbers above 0, the nearer first")
         self._rng, self._range = np.random.default_rng(seed), (nearest, farthest)
 
-    def following(self, centre) -> tuple[float, float]:
+    def following(self, centre: np.ndarray) -> tuple[float, float]:
         """The next target for an animat at `centre` (2,) m."""
         angle, distance = self._rng.uniform(-math.pi, math.pi), self._rng.uniform(*self._range)
         return float(centre[0] + distance * math.cos(angle)), float(centre[1] + distance * math.sin(angle))

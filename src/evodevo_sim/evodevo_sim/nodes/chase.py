@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import argparse
 import threading
 import time
 from contextlib import ExitStack
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import rclpy
@@ -88,19 +90,19 @@ class Chase:
     Attributes: sent, captured: numbers of targets; closest: m, the least distance to each; states: how many came.
     """
 
-    def __init__(self, given, champion: Champion, targets, recorder, view, stop):
+    def __init__(self, given: argparse.Namespace, champion: Champion, targets: Any, recorder: Any, view: Any, stop: threading.Event):
         self.given, self.champion, self.targets, self.recorder, self.view = given, champion, targets, recorder, view
         self.stop = stop
         self.sent = self.captured = self.states = 0
         self.most = given.count or (10 if given.targets == "random" else None)
         self.closest: list[float] = []
-        self.target = None
+        self.target: np.ndarray | None = None
         self.ended = False
         self._answer, self._lives = None, False
         self._since, self._step = 0.0, -1
-        self._bar = None
+        self._bar: Any = None  # of tqdm
 
-    def run(self, stack) -> int:
+    def run(self, stack: ExitStack) -> int:
         node = rclpy.create_node("chase")
         stack.callback(node.destroy_node)
         executor = EventsExecutor()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
 from rclpy.node import Node
@@ -36,7 +37,7 @@ class Simulator(Node):
     Args: stop: an Event; set, a batch ends early.
     """
 
-    def __init__(self, stop):
+    def __init__(self, stop: Any):
         super().__init__("simulator")
         self._stop = stop
         self._frame = self.declare_parameter("frame_id", "world", _fixed("frame of positions and targets")).value
@@ -63,7 +64,7 @@ class Simulator(Node):
         self._callbacks.service(Trigger, "reset", self._reset)
         self.get_logger().info("ready")
 
-    def close(self):
+    def close(self) -> None:
         self._evaluations.close()
         self._births.close()
         self._stage.close()
@@ -135,9 +136,14 @@ class Simulator(Node):
         elif not (math.isfinite(point.x) and math.isfinite(point.y)):
             self._warn("number", f"target at ({point.x}, {point.y}) ignored: give finite metres")
         elif stamp < 0:
-            self._warn("negative", f"target with a stamp of {stamp * 1e-9:.9g} s ignored: stamp it with the time at which it is sent, or with 0")
+            self._warn(
+                "negative", f"target with a stamp of {stamp * 1e-9:.9g} s ignored: stamp it with the time at which it is sent, or with 0"
+            )
         elif age is None:
-            self._warn("clock", "target with a stamp ignored: use_sim_time is set, and no /clock has come yet: publish one, or stamp targets with 0")
+            self._warn(
+                "clock",
+                "target with a stamp ignored: use_sim_time is set, and no /clock has come yet: publish one, or stamp targets with 0",
+            )
         elif age > self._oldest:
             self._warn("past", f"target of {age:.3g} s ago ignored: stamp it with the time at which it is sent, or with 0")
         elif age < -self._oldest:

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..development.body import build_body
+from ..development.body import Body, build_body
 from ..development.gabriel import adjacency, gabriel_graph
 from ..inputs import InputError, nearest, shown
 from ..parameters import Material
@@ -62,7 +62,7 @@ class OwnBody:
         scene: the constants of the world that the file names.
     """
 
-    body: object
+    body: Body
     velocity: np.ndarray
     stuff: Stuff
     amplitude: np.ndarray
@@ -95,7 +95,8 @@ def make_own_body(document: dict) -> OwnBody:
     far = too_far(position)
     if far is not None:
         raise BodyError(
-            f"position: coordinates of up to {far[1]:.3g} m are too coarse for cells that are {far[0]:.3g} m apart: move the body to the origin"
+            f"position: coordinates of up to {far[1]:.3g} m are too coarse for cells that are {far[0]:.3g} m apart: "
+            "move the body to the origin"
         )
     velocity = _pairs(document, "velocity", cells) if document.get("velocity") is not None else np.zeros((cells, 2))
     mass = _numbers(document, "mass", cells, "cell")

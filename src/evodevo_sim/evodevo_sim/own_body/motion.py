@@ -144,7 +144,7 @@ def make_scene(own: OwnBody, scene: str, world: str | None = None) -> System:
 def make_world(own: OwnBody, world: str | None) -> Scene:
     """The scene of a world's name or file, with what the body's own file says of it."""
     there = with_world(Task("walk", scene=Scene(0.0, 0.0, GRAVITY, FRICTION)), world or "flat").scene
-    return replace(there, **{name: own.scene[name] for name in ("gravity", "friction") if name in own.scene})
+    return replace(there, gravity=own.scene.get("gravity", there.gravity), friction=own.scene.get("friction", there.friction))
 
 
 def _refuse_inside(position, scene: Scene):
@@ -155,7 +155,7 @@ def _refuse_inside(position, scene: Scene):
     if len(below):
         k = below[0]
         raise BodyError(f"position[{k}][1] is {y[k]:g}: walk has ground at y = {ground[k]:g}, start no cell below it")
-    ceiling = profile(scene.ceiling_x, scene.ceiling_y, x) if scene.ceiling_x else np.inf
+    ceiling = profile(scene.ceiling_x, scene.ceiling_y, x) if scene.ceiling_x else np.full(len(x), np.inf)
     above = np.flatnonzero(y > ceiling + slack)
     if len(above):
         k = above[0]

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 
 _CLOSE = 1e-9  # of the extent of a body, that counts as no distance
@@ -13,7 +16,7 @@ def _extent(position) -> float:
     return float(np.ptp(position, axis=0).max()) or 1.0
 
 
-def rounding(position) -> float:
+def rounding(position: np.ndarray) -> float:
     """How far from what was meant a difference of two coordinates can be, m: far from the origin they hold less of a shape."""
     return float(2.0 * np.finfo(float).eps * np.abs(position).max())
 
@@ -23,7 +26,7 @@ def _close(position, coordinates=1) -> float:
     return max(_CLOSE * _extent(position), 2.0 * rounding(position) * coordinates**0.5)
 
 
-def too_far(position) -> tuple[float, float] | None:
+def too_far(position: np.ndarray) -> tuple[float, float] | None:
     """Where coordinates are too large to hold the shape: (least distance of two cells, largest coordinate), m; or None."""
     from scipy.spatial import cKDTree  # a third of a second that others need not wait
 
@@ -33,7 +36,7 @@ def too_far(position) -> tuple[float, float] | None:
     return (least, float(np.abs(position).max())) if rounding(position) > _COARSE * least else None
 
 
-def coincident(position) -> tuple[int, int] | None:
+def coincident(position: np.ndarray) -> tuple[int, int] | None:
     """Two cells at one point, the first such pair."""
     from scipy.spatial import cKDTree  # a third of a second that others need not wait
 
@@ -45,13 +48,13 @@ def coincident(position) -> tuple[int, int] | None:
     return first, min(cell for cell in tree.query_ball_point(position[first], near) if cell != first)
 
 
-def collinear(position) -> bool:
+def collinear(position: np.ndarray) -> bool:
     """Whether all cells lie on one line."""
     centred = position - position.mean(0)
     return len(position) < 3 or float(np.linalg.svd(centred, compute_uv=False)[1]) < _close(position, len(position))
 
 
-def unreachable(edges, cells) -> int | None:
+def unreachable(edges: Any, cells: int) -> int | None:
     """The first cell that no path of springs joins to cell 0."""
     root = list(range(cells))
 
@@ -67,7 +70,7 @@ def unreachable(edges, cells) -> int | None:
     return next((i for i in range(cells) if find(i) != 0), None)
 
 
-def crossing(position, edges) -> tuple[int, int | None, int | None] | None:
+def crossing(position: np.ndarray, edges: Any) -> tuple[int, int | None, int | None] | None:
     """The first fault of springs (E, 2): (s, other, None) where two cross, (s, None, cell) where one runs through a cell."""
     a, b = position[edges[:, 0]], position[edges[:, 1]]
     near = _close(position)
@@ -117,7 +120,7 @@ def _counter_clockwise(position, row):
     return row if _area(position, row) > 0 else row[::-1]
 
 
-def shared_side(position, rows) -> tuple[int, int, int, int] | None:
+def shared_side(position: np.ndarray, rows: Sequence[list[int]]) -> tuple[int, int, int, int] | None:
     """The first two cycles of cells that lie on the same side of a spring: (cycle, earlier one, both cells of the spring)."""
     seen: dict[tuple[int, int], int] = {}
     for c, row in enumerate(rows):
@@ -129,7 +132,7 @@ def shared_side(position, rows) -> tuple[int, int, int, int] | None:
     return None
 
 
-def faces_of(body, rows):
+def faces_of(body: Any, rows: Sequence[list[int]]) -> Any:
     """A body whose chambers are these cycles of cells alone, turned counter-clockwise, no two on the same side of a spring."""
     rows = sorted((_counter_clockwise(body.position, row) for row in rows), key=lambda row: len(row) > 3)  # triangles first
     polygons = [row for row in rows if len(row) > 3]

@@ -37,7 +37,7 @@ def champion_of(
     path = Path(source)
     name = Path(os.path.realpath(path)).name
     if not is_recording(path):
-        return Champion(path.stem, load_genome(path), with_settings(default_task(task_name), settings))
+        return Champion(path.stem, load_genome(path), with_settings(default_task(task_name), dict(settings)))
     if settings:
         raise ParameterError("--set is for a genome file: a recording names its own task")
     recording = read_recording(path)

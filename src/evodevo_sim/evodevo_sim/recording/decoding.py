@@ -71,6 +71,8 @@ def _by_schema(name: str, schema: bytes, message_type: type) -> Reading:
         decode = DecoderFactory().decoder_for("cdr", Schema(id=1, name=name, encoding="ros2msg", data=text.encode()))
     except Exception as error:  # of the parser, which is not ours; its exceptions have no common class
         return Reading(refused=f"its schema cannot be read ({type(error).__name__})", other=True)
+    if decode is None:
+        return Reading(refused="its schema cannot be read", other=True)
     return Reading(functools.partial(_theirs, decode, message_type), notes=tuple(words_of(difference)))
 
 

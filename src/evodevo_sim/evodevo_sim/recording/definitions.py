@@ -22,7 +22,7 @@ class RecordingError(InputError, RuntimeError):
     """A recording that cannot be written or read; the message says which, why, and what to do."""
 
 
-def type_name(message_type) -> str:
+def type_name(message_type: type) -> str:
     """The name of a message class, e.g. `evodevo_msgs/msg/Body`."""
     package, _, _ = message_type.__module__.partition(".")
     return f"{package}/msg/{message_type.__name__}"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ..analysis.gait.analysis import Gait, analyse
@@ -22,13 +24,13 @@ def track_of_recording(recording: Recording, life: Life, walks: bool = False) ->
     if not len(life.time):
         raise GaitError(f"{recording.path} holds no motion of a body: give the recording of a run that ended, or of simulate")
     body, task = recording.body, None if recording.settings is None else task_from_message(recording.settings.task)
-    known = {} if body is None else {"rest_length": np.array(body.rest_length), "chamber_area": np.array(body.chamber_area)}
+    known: dict[str, Any] = {} if body is None else {"rest_length": np.array(body.rest_length), "chamber_area": np.array(body.chamber_area)}
     ground = ground_of_scene(life.scene) if life.scene is not None else Ground() if walks else None
     part = longest_stretch(life.time)
     return Track(
         (life.time - life.time[0])[part], life.position[part], life.activation[part], springs=life.springs, outline=life.outline,
-        chambers=tuple(life.chambers), velocity=life.velocity[part], world=world_of_task(task) if task else world_of_scene(life.scene),
-        ground=ground, **known,
+        chambers=tuple(life.chambers), velocity=None if life.velocity is None else life.velocity[part],
+        world=world_of_task(task) if task else world_of_scene(life.scene), ground=ground, **known,
     )
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -172,8 +174,8 @@ def _targets(recording: Recording, first: int, count: int) -> np.ndarray:
     points = [(message.pose.position.x, message.pose.position.y) for message in recording.targets]  # in the order of their times
     if not points or not count:
         return np.empty((0, 2))
-    points = np.array([(np.nan, np.nan), *points])
-    return points[np.searchsorted(recording.target_times, recording.state_times[first : first + count], side="right")]
+    latest = np.searchsorted(recording.target_times, recording.state_times[first : first + count], side="right")
+    return np.array([(np.nan, np.nan), *points])[latest]
 
 
 def _positions(state) -> np.ndarray:
@@ -198,7 +200,7 @@ def _parts(body) -> dict:
     starts, cells = np.array(body.chamber_start, int), np.array(body.chamber_cell, int)
     if cells.size and cells.max() >= body.cells:
         raise IndexError
-    chambers = [cells[first:last] for first, last in zip(starts, starts[1:])]
+    chambers = [cells[first:last] for first, last in itertools.pairwise(starts)]
     return {"springs": _springs(body), "outline": _pairs(body.outline_a, body.outline_b, body.cells), "chambers": chambers}
 
 
@@ -212,7 +214,7 @@ def _graphs(states: list, bodies: list) -> list[np.ndarray]:
     return [springs[k] if fit else none for k, fit in zip(latest, fits)]
 
 
-def contrasting_cells(activation) -> list[int]:
+def contrasting_cells(activation: np.ndarray) -> list[int]:
     """Two cells whose activations (T, N) differ most over the second half, among those that are active; or fewer.
 
     They show the phase gradient of a gait, as in the paper's Fig. 5.
@@ -227,7 +229,7 @@ def contrasting_cells(activation) -> list[int]:
     return list(dict.fromkeys((strongest, int(active[apart.argmax()]))))
 
 
-def period_of(life: Life, cells) -> float:
+def period_of(life: Life, cells: Any) -> float:
     """The main period of some cells' muscles in the second half of a life, s; infinity where there is none."""
     if len(life.time) < 3:
         return np.inf

@@ -12,6 +12,7 @@ from mcap.reader import make_reader
 from mcap.records import Channel as McapChannel
 from mcap.records import Chunk, Message, Schema
 from mcap.stream_reader import StreamReader, breakup_chunk
+from mcap.summary import Summary
 from zstandard import ZstdError
 
 from .definitions import HOW, RecordingError
@@ -29,7 +30,7 @@ class McapFile:
         self._schemas: dict[int, Schema] = {}
         self._channels: dict[int, McapChannel] = {}
         self._known: dict[int, Channel] = {}
-        self._summary = None
+        self._summary: Summary | None = None
         self._looked = False
 
     def messages(self) -> Iterator[Stored]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from array import array
+from typing import Any
 
 from evodevo_msgs import msg
 
@@ -75,7 +76,7 @@ def words_of(difference: Difference) -> list[str]:
     return found
 
 
-def message_of(decoded, message_type):
+def message_of(decoded: Any, message_type: type) -> Any:
     """A message of ours from one that was decoded by its own schema."""
     return _filled(message_type(), decoded)
 

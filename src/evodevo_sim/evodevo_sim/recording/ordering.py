@@ -17,7 +17,8 @@ def lives(stamps: Sequence[int], times: Sequence[int]) -> list[list[int]]:
     """
     order = sorted(range(len(stamps)), key=times.__getitem__)
     found: list[dict[int, int]] = []  # stamp: index
-    top, late = None, []
+    top: int | None = None
+    late: list[int] = []
     for i in order:
         stamp = stamps[i]
         if top is None or stamp >= top or stamp not in found[-1]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ..ros.messages import body_message, cell_states_message, graph_message, target_message, time_message
@@ -9,7 +11,7 @@ from ..ros.topics import BODY, CELL_STATES, GROWTH_BODY, GROWTH_STATES, TARGET_P
 from ..tasks.evaluation import Performance
 
 
-def record_performance(recorder, performance: Performance, stamp: int) -> None:
+def record_performance(recorder: Any, performance: Performance, stamp: int) -> None:
     """Write a life to a `Recorder`, from `stamp` ns on.
 
     Growth comes first, a regulation step as long as a control step, and the stamps in the messages run on from it.

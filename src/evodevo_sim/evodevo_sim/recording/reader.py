@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -81,12 +82,16 @@ def _note(recording: Recording, text: str) -> None:
     recording.notes.append(text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "...")
 
 
+_Bad = Counter[tuple[str, str]]  # messages that cannot be read, by topic and why
+
+
 class _Collected:
     """What the files hold of ours: the messages of each channel, as bytes."""
 
     def __init__(self, recording: Recording):
         self._recording = recording
         self._roles: dict[Channel, tuple[Topic, Reading] | None] = {}
+        self._decoders: dict[Channel, Callable] = {}  # of the channels that have a role
         self._messages: dict[Topic, dict[str, list[tuple[int, Stored]]]] = {}  # by namespace, with their places in the files
         self._seen: set = set()
         self._count = 0
@@ -115,19 +120,22 @@ class _Collected:
 
     def _role(self, channel: Channel) -> tuple[Topic, Reading] | None:
         entry = role_of(channel.topic)
-        reading = reading_of(channel, entry.type) if entry else None
+        if entry is None:
+            return None
+        reading = reading_of(channel, entry.type)
         if reading is None:
             return None
         if reading.decode is None:
             self._recording.unread.setdefault(entry.attribute, f"{channel.topic}: {reading.refused}")
             return None
+        self._decoders[channel] = reading.decode
         return entry, reading
 
     def give(self) -> None:
         """Decode what is to be read, into the recording.  Raises RecordingError where there is nothing."""
         recording, self._seen = self._recording, set()
         chosen = self._chosen()
-        begin, bad = self._begin_of_run(chosen), Counter()
+        begin, bad = self._begin_of_run(chosen), _Bad()
         for entry, messages in chosen.items():
             kept = self._decoded(entry, (one for one in messages if one[1].log_time >= begin), bad)
             if not kept:
@@ -152,13 +160,13 @@ class _Collected:
             for entry, found in self._messages.items()
         }
         animats = begins.get(CELL_STATES, {})
-        first = min(animats, key=animats.get, default=None)
+        first = min(animats, key=animats.__getitem__, default=None)
         if len(animats) > 1:
             _note(self._recording, f"{self._recording.path} holds {len(animats)} animats: {first or '/'}, the first one, is read")
         chosen = {}
         for entry, found in self._messages.items():
             free = [name for name in found if not entry.animat or name == first or name not in animats]
-            best = first if entry.animat and first in found else min(free, key=begins[entry].get, default=None)
+            best = first if entry.animat and first in found else min(free, key=begins[entry].__getitem__, default=None)
             if best is not None:
                 chosen[entry] = sorted(found[best], key=lambda one: (one[1].log_time, one[0]))
         return chosen
@@ -171,14 +179,15 @@ class _Collected:
         _note(self._recording, f"{self._recording.path} holds {len(settings)} runs: the last one is read")
         return settings[-1][1].log_time
 
-    def _decoded(self, entry: Topic, messages, bad: Counter) -> list[tuple[int, object]]:
-        kept, failed = [], None
+    def _decoded(self, entry: Topic, messages, bad: _Bad) -> list[tuple[int, object]]:
+        kept: list[tuple[int, object]] = []
+        failed: tuple[str, str] | None = None
         for _, one in messages:
             if failed and not kept and bad[failed] >= _TRIES:
                 bad[failed] += 1
                 continue
             try:
-                kept.append((one.log_time, self._roles[one.channel][1].decode(one.data)))
+                kept.append((one.log_time, self._decoders[one.channel](one.data)))
             except Undecodable as error:
                 failed = (one.channel.topic, str(error))
                 bad[failed] += 1
@@ -187,7 +196,7 @@ class _Collected:
             self._recording.unread.pop(entry.attribute, None)
         return kept
 
-    def _tell(self, bad: Counter) -> None:
+    def _tell(self, bad: _Bad) -> None:
         """Notes on how messages were read, and on those that were not.  Raises RecordingError where none were."""
         recording = self._recording
         readings = [(channel, role[1]) for channel, role in self._roles.items() if role]
@@ -198,7 +207,7 @@ class _Collected:
             what = "is cut or damaged before its first message" if recording.notes else "holds nothing of evodevo's"
             raise RecordingError(f"{recording.path} {what}: {HOW}")
         for (topic, why), count in bad.items():
-            if role_of(topic).attribute not in recording.unread:
+            if (entry := role_of(topic)) and entry.attribute not in recording.unread:
                 _note(recording, f"{count} messages of {topic} are left out: {why}")
         versions = list(dict.fromkeys(note for _, reading in readings for note in reading.notes))
         if versions:

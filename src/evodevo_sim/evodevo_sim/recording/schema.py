@@ -16,7 +16,7 @@ _SIMPLE = {
     "bool", "float32", "float64", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "string", "wstring",
 }
 _SAME = {"byte": "uint8", "char": "uint8"}  # the same bytes
-_IMPLIED = {name: (("sec", "int32"), ("nanosec", "uint32")) for name in ("builtin_interfaces/Time", "builtin_interfaces/Duration")}
+_IMPLIED = dict.fromkeys(("builtin_interfaces/Time", "builtin_interfaces/Duration"), (("sec", "int32"), ("nanosec", "uint32")))
 
 Types = dict[str, tuple[tuple[str, str], ...]]
 
@@ -28,7 +28,8 @@ def short(name: str) -> str:
 
 def types_of(name: str, text: str) -> Types:
     """Of a type and those that it is made of, from a `ros2msg` text: the (name, kind) of each field, in order."""
-    found, current = dict(_IMPLIED), short(name)
+    found: Types = dict(_IMPLIED)
+    current = short(name)
     for part in _PARTS.split(text):
         head = _HEAD.search(part)
         if head:

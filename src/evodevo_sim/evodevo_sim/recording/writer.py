@@ -7,6 +7,7 @@ import os
 import shutil
 import threading
 from pathlib import Path
+from typing import Any
 
 import yaml
 from mcap.writer import CompressionType, Writer
@@ -54,7 +55,7 @@ class Recorder:
         self._first, self._last = 2**63, 0
         try:
             self.directory.mkdir(parents=True)
-            self._file = open(self.directory / self._name, "wb")
+            self._file = open(self.directory / self._name, "wb")  # noqa: SIM115  (closed by `close`)
         except FileExistsError:
             raise RecordingError(f"{self.directory} exists already and is never overwritten: choose another directory") from None
         except OSError as error:
@@ -70,10 +71,10 @@ class Recorder:
     def __enter__(self) -> Recorder:
         return self
 
-    def __exit__(self, *_) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
-    def write(self, topic: str, message, stamp: int) -> None:
+    def write(self, topic: str, message: Any, stamp: int) -> None:
         """Append a message.
 
         Args: topic: absolute, or below `/`, of any name; one that ends as in `ros.topics` has the quality of service from there;

@@ -10,6 +10,8 @@ import math
 import queue
 import threading
 import time
+from collections.abc import Callable
+from typing import Any
 
 from rclpy.executors import ExternalShutdownException
 
@@ -17,8 +19,8 @@ MOST_TEXT = 300  # characters of what is said in an answer or in a line of the l
 _WARN_EVERY = 1.0  # s between lines of one kind
 
 
-def brief(text: str, most: int = MOST_TEXT) -> str:
-    """A text as one line of at most `most` characters."""
+def brief(text: object, most: int = MOST_TEXT) -> str:
+    """A text, or the text of an error, as one line of at most `most` characters."""
     line = " ".join(str(text)[: 4 * most].split())
     return line if len(line) <= most else line[: most - 3] + "..."
 
@@ -36,7 +38,7 @@ class Desk:
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
         self._thread.start()
 
-    def put(self, work) -> None:
+    def put(self, work: Callable[[], object]) -> None:
         """Do `work()` when its turn comes; it must not raise."""
         self._waiting.put(work)
 
@@ -64,11 +66,11 @@ class Callbacks:
     Args: node; through: exceptions that are meant to end the node.
     """
 
-    def __init__(self, node, through: tuple[type[BaseException], ...] = ()):
+    def __init__(self, node: Any, through: tuple[type[BaseException], ...] = ()):
         self._node, self._through = node, through
         self._warned: dict[str, float] = {}
 
-    def subscription(self, message_type, topic: str, callback, quality):
+    def subscription(self, message_type: type, topic: str, callback: Callable, quality: Any) -> Any:
         def guarded(message):
             try:
                 callback(message)
@@ -79,7 +81,7 @@ class Callbacks:
 
         return self._node.create_subscription(message_type, topic, guarded, quality)
 
-    def service(self, service_type, name: str, answer, desk: Desk | None = None):
+    def service(self, service_type: Any, name: str, answer: Callable, desk: Desk | None = None) -> Any:
         """A service.  Args: answer(request, response) -> response; desk: where it is answered, if not in the executor's thread."""
 
         def guarded(request):
@@ -99,7 +101,7 @@ class Callbacks:
             except Exception as error:
                 self.warn(f"answer {name}", f"an answer of {name} was not sent: {told(error)}")
 
-        def later(waiting, header):
+        def later(waiting, header, desk=desk):
             desk.put(lambda: send(guarded(waiting.request), header))
 
         # Executors hand what the callback returns to `send_response`.
@@ -117,13 +119,13 @@ class Callbacks:
             logger.error(brief(text)) if error else logger.warning(brief(text))
 
 
-def failed(response, cause: str):
+def failed(response: Any, cause: str) -> Any:
     """A response that says what went wrong, in the field that its type has for that."""
     setattr(response, "error" if hasattr(response, "error") else "message", cause)
     return response
 
 
-def spin(executor, node, stop) -> None:
+def spin(executor: Any, node: Any, stop: Any) -> None:
     """Spin until `stop` is set.  What a callback of ROS's own raises, e.g. that of a clock, is a line in the log."""
     lines = Callbacks(node)
     while not stop.is_set():

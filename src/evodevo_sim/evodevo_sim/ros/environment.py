@@ -62,7 +62,7 @@ def _check_log() -> None:
         directory.mkdir(parents=True, exist_ok=True)
         reason = "" if os.access(directory, os.W_OK | os.X_OK) else "Permission denied"
     except OSError as error:
-        reason = error.strerror
+        reason = error.strerror or str(error)
     if reason:
         raise EnvironmentFault(f"ROS's log cannot be written to {directory} ({reason}): set ROS_LOG_DIR to a directory that can be")
 

@@ -8,6 +8,7 @@ multicast, shared memory and loopback.  So that range is given while `rclpy.init
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -26,7 +27,7 @@ def prefer_loopback() -> None:
 
 
 @contextmanager
-def loopback_alone():
+def loopback_alone() -> Iterator[None]:
     """Call `rclpy.init` in this context.  Changes nothing where our profile does not count; the range reads LOCALHOST again afterwards."""
     if not _ours():
         yield

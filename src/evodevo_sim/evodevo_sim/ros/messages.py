@@ -10,6 +10,7 @@ from __future__ import annotations
 from array import array
 from dataclasses import fields, is_dataclass
 from functools import cache
+from typing import Any
 
 import numpy as np
 from builtin_interfaces.msg import Time
@@ -79,12 +80,12 @@ def evaluation_from_message(message: msg.Evaluation) -> Evaluation:
     return Evaluation(message.fitness, Status(message.status), message.cause, _object(Metrics, message.metrics))
 
 
-def gait_message(gait) -> msg.Gait:
+def gait_message(gait: Any) -> msg.Gait:
     """The message of a `gait.Gait`."""
     return _message(gait)
 
 
-def gait_from_message(message: msg.Gait):
+def gait_from_message(message: msg.Gait) -> Any:
     """The `gait.Gait` of a message."""
     from ..analysis.gait import Gait  # it takes SciPy, which nodes do without
 
@@ -97,7 +98,9 @@ def time_message(seconds: float) -> Time:
     return Time(sec=sec, nanosec=nanosec)
 
 
-def cell_states_message(position, velocity, activation, step: int, stamp: float, frame: str = "world") -> msg.CellStates:
+def cell_states_message(
+    position: np.ndarray, velocity: np.ndarray, activation: np.ndarray, step: int, stamp: float, frame: str = "world"
+) -> msg.CellStates:
     """All cells at one instant.
 
     Args: position (N, 2) m; velocity (N, 2) m/s; activation (N,) of e - c; step: control step; stamp: simulated s.
@@ -121,7 +124,7 @@ def actuation_message(activation, step: int, stamp: float, frame: str = "world")
     return msg.Actuation(header=Header(stamp=time_message(stamp), frame_id=frame), step=step, activation=_array("d", activation))
 
 
-def target_message(target, stamp: Time, frame: str = "world") -> PoseStamped:
+def target_message(target: Any, stamp: Time, frame: str = "world") -> PoseStamped:
     """A target.  Args: target: (x, y) m."""
     message = PoseStamped(header=Header(stamp=stamp, frame_id=frame))
     message.pose.position.x, message.pose.position.y = float(target[0]), float(target[1])
@@ -129,7 +132,7 @@ def target_message(target, stamp: Time, frame: str = "world") -> PoseStamped:
     return message
 
 
-def body_message(body, frame: str = "world", stamp: float = 0.0) -> msg.Body:
+def body_message(body: Any, frame: str = "world", stamp: float = 0.0) -> msg.Body:
     """The message of a `body.Body`: chambers are its triangles, then its polygons."""
     triangles = len(body.triangle)
     chamber_start = np.concatenate((3 * np.arange(triangles), 3 * triangles + body.polygon_start.astype(np.int64)))
@@ -147,7 +150,7 @@ def body_message(body, frame: str = "world", stamp: float = 0.0) -> msg.Body:
     )
 
 
-def graph_message(position, edges, frame: str = "world", stamp: float = 0.0) -> msg.Body:
+def graph_message(position: np.ndarray, edges: np.ndarray, frame: str = "world", stamp: float = 0.0) -> msg.Body:
     """The message of an embryo's graph: springs alone.  Args: position (N, 2) m; edges (E, 2)."""
     length = np.linalg.norm(position[edges[:, 0]] - position[edges[:, 1]], axis=1)
     return msg.Body(
@@ -175,8 +178,8 @@ def _layout(cls):
 
 def _message(value):
     """The message of a dataclass of the same name, nested ones with it."""
-    cls = type(value)
-    given = {}
+    cls: Any = type(value)
+    given: dict[str, Any] = {}
     for name, nested, profile in _layout(cls):
         if not profile:
             given[name] = _message(getattr(value, name)) if nested else getattr(value, name)

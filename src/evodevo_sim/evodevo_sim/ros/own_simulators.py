@@ -34,7 +34,7 @@ class OwnSimulators:
     def alive(self) -> bool:
         return all(process.poll() is None for process in self._processes)
 
-    def __enter__(self):
+    def __enter__(self) -> OwnSimulators:
         log = open(self._log_path or os.devnull, "ab")
         with log:
             for namespace in self.namespaces:
@@ -43,12 +43,13 @@ class OwnSimulators:
                 # A session of their own: Ctrl-C reaches us alone, and we end them in good order.
                 self._processes.append(
                     subprocess.Popen(
-                        command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True, preexec_fn=_end_with_parent
+                        command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True,
+                        preexec_fn=_end_with_parent,  # noqa: PLW1509  (it takes no lock: a call of the system alone)
                     )
                 )
         return self
 
-    def __exit__(self, *_):
+    def __exit__(self, *_: object) -> None:
         self.end()
 
     def end(self) -> None:
@@ -64,6 +65,8 @@ class OwnSimulators:
         self._processes.clear()
 
 
-def _end_with_parent():
-    PR_SET_PDEATHSIG = 1
-    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+_PR_SET_PDEATHSIG = 1  # of prctl(2)
+
+
+def _end_with_parent() -> None:
+    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)

@@ -10,7 +10,7 @@ less finely, and keep no ledger.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -90,7 +90,7 @@ def held(evaluation: Evaluation, runs: Sequence[Run], most_change: float | None)
     return Audit(evaluation, tuple(runs), tuple(_faults(runs, MOST_CHANGE if most_change is None else most_change)))
 
 
-def prepare(task: Task = Task(), say=print) -> None:
+def prepare(task: Task = Task(), say: Callable[[str], None] = print) -> None:
     """Compile what audits need beyond evaluations, where no process has yet; `say` is told if it is us."""
     kernel = task.kind.audit_kernel
     notice = compiling(kernel, "kernels of audits", "about half a minute") if kernel else ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -54,7 +55,7 @@ def evaluate(genome: Genome, task: Task = Task(), seed: int = 0) -> Evaluation:
     return invalid(too_much) if too_much else task.kind.function("run")(genome, task, seed, 1, *_NOT_KEPT)
 
 
-def prepare(task: Task = Task(), say=print) -> None:
+def prepare(task: Task = Task(), say: Callable[[str], None] = print) -> None:
     """Load the kernels that evaluations of a task need, compiled by the first process that asks; `say` is told if that is us."""
     if notice := compiling(task.kind.kernel):
         say(notice)

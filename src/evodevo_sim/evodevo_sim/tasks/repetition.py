@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -28,8 +28,9 @@ class Way(NamedTuple):
 @dataclass(frozen=True, eq=False)
 class Run:
     """name; fitness, m; change of it, relative to the run as evolved; sustained, m: the part of fitness that is motion,
-    windows x slowest window, or the plain distance where that is the fitness; ledger: J by muscles, drag, damping, ground, or empty; gap: energy that the ledger does not explain, relative
-    to what drag and damping took; chamber: least S / S0; cause: why it failed; near: last distance of each target, m."""
+    windows x slowest window, or the plain distance where that is the fitness; ledger: J by muscles, drag, damping, ground, or
+    empty; gap: energy that the ledger does not explain, relative to what drag and damping took; chamber: least S / S0; cause: why
+    it failed; near: last distance of each target, m."""
 
     name: str
     fitness: float
@@ -53,7 +54,7 @@ class Motion:
     outcome: int
 
 
-def repeat_motion(body, task: Task, substeps: int, start, activation, way: Way, points: int) -> Motion:
+def repeat_motion(body: Any, task: Task, substeps: int, start: np.ndarray, activation: np.ndarray, way: Way, points: int) -> Motion:
     """Repeat a motion from rest, by the same muscles.
 
     Args: substeps: at rest; start (N, 2) m; activation (T + 1, N); points: of the path, after the start.

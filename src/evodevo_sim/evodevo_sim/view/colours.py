@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 
 from .palettes import DEFAULT, PALETTES
@@ -11,7 +14,7 @@ INK, QUIET, ACCENT, SECOND, THIRD = (38, 43, 54), (138, 145, 158), (222, 116, 24
 PAPER = (250, 250, 248)
 
 
-def activation_colours(activation, palette: str = DEFAULT) -> np.ndarray:
+def activation_colours(activation: Any, palette: str = DEFAULT) -> np.ndarray:
     """The colour of e - c, in full at -1 and 1, and stretched about 0.
 
     Args: activation: any shape (...); outside [-1, 1] it is clipped, NaN is at rest.
@@ -24,6 +27,6 @@ def activation_colours(activation, palette: str = DEFAULT) -> np.ndarray:
     return np.rint(np.stack(channels, axis=-1)).astype(np.uint8)
 
 
-def unit_rgb(colour) -> tuple[float, ...]:
+def unit_rgb(colour: Sequence[int]) -> tuple[float, ...]:
     """A colour of 0..255 as matplotlib takes it."""
     return tuple(channel / 255 for channel in colour)

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.collections import EllipseCollection, LineCollection, PolyCollection
 from matplotlib.patches import Circle
 
@@ -16,7 +19,10 @@ DIAMETER = 1.0  # m, of a cell
 _LEAST = 0.75  # of its size, to which a text shrinks before it gets lines
 
 
-def draw_pose(axes, pose: Pose, springs, outline=(), chambers=(), palette: str = DEFAULT) -> None:
+def draw_pose(
+    axes: Axes, pose: Pose, springs: np.ndarray, outline: np.ndarray | tuple = (), chambers: Sequence[np.ndarray] = (),
+    palette: str = DEFAULT,
+) -> None:
     """Draw a body: chambers below, cells as discs coloured by e - c, springs and the outline above."""
     position, rgb = pose.position, activation_colours(pose.activation, palette) / 255
     span = np.ptp(axes.get_xlim()) or 1.0
@@ -37,12 +43,13 @@ def draw_pose(axes, pose: Pose, springs, outline=(), chambers=(), palette: str =
             axes.add_collection(lines)
 
 
-def draw_world(axes, life: Life, step: int) -> None:
+def draw_world(axes: Axes, life: Life, step: int) -> None:
     """Draw ground and ceiling as far as the axes reach, a tick at every metre, and what touches at a control step."""
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     for line, edge in zip(life.surfaces(left, right), (bottom, top)):
-        axes.fill_between(*line.T, edge, color="0.93", linewidth=0, zorder=0)
-        axes.plot(*line.T, color=unit_rgb(QUIET), linewidth=1.2, zorder=0.5)
+        x, y = line.T
+        axes.fill_between(x, y, edge, color="0.93", linewidth=0, zorder=0)
+        axes.plot(x, y, color=unit_rgb(QUIET), linewidth=1.2, zorder=0.5)
         for metre in range(int(np.ceil(left)), int(right) + 1):
             y = np.interp(metre, *line.T)
             long = 0.3 if metre % 5 == 0 else 0.15
@@ -51,7 +58,7 @@ def draw_world(axes, life: Life, step: int) -> None:
     axes.plot(*life.position[step, touching].T, "^", color=unit_rgb(ACCENT), mec="white", mew=0.6, ms=6, zorder=6)
 
 
-def draw_swim(axes, life: Life, step: int, palette: str = DEFAULT) -> None:
+def draw_swim(axes: Axes, life: Life, step: int, palette: str = DEFAULT) -> None:
     """Draw the body at a control step in its world, with the trail of its centre of mass."""
     draw_world(axes, life, step)
     draw_pose(axes, life.pose(step), life.springs, life.outline, life.chambers, palette)
@@ -60,7 +67,7 @@ def draw_swim(axes, life: Life, step: int, palette: str = DEFAULT) -> None:
     axes.plot(*life.centre[: step + 1].T, color=unit_rgb(ACCENT), linewidth=1.5, solid_capstyle="round", zorder=4)
 
 
-def draw_target(axes, target, reach: float) -> None:
+def draw_target(axes: Axes, target: Any, reach: float) -> None:
     """Draw a target, and rings around it where its scent has fallen by another fifth.  To be called when `frame` was.
 
     Args: reach: m to where the scent ends; 0 if not known, then without rings.
@@ -73,7 +80,7 @@ def draw_target(axes, target, reach: float) -> None:
     axes.set(xlim=limits[0], ylim=limits[1])
 
 
-def frame(axes, low, high) -> None:
+def frame(axes: Axes, low: np.ndarray, high: np.ndarray) -> None:
     """Show [low, high] (2,) m in equal scales, centred, without any decoration.  To be called before anything is drawn."""
     box = axes.get_window_extent()
     centre, size = (np.asarray(low) + high) / 2, np.subtract(high, low)
@@ -85,7 +92,7 @@ def frame(axes, low, high) -> None:
     axes.axis("off")
 
 
-def fit(text, width: float, lines: int = 1) -> None:
+def fit(text: Any, width: float, lines: int = 1) -> None:
     """Make a matplotlib text fit a width, inches: smaller down to _LEAST of its size, then in lines, the last of which is cut short.
     Its $ and backslashes are letters as all others."""
     text.set_parse_math(False)
@@ -109,18 +116,18 @@ def shortened(name: str, letters: int = 48) -> str:
     return name if len(name) <= letters else f"{name[: letters - 1]}…"
 
 
-def bounds(position) -> tuple[np.ndarray, np.ndarray]:
+def bounds(position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The rectangle around discs at position (..., 2), m, with a margin."""
     points = position.reshape(-1, 2)
     return points.min(axis=0) - 0.6 * DIAMETER, points.max(axis=0) + 0.6 * DIAMETER
 
 
-def scale_bar(axes, metres: float) -> None:
+def scale_bar(axes: Axes, metres: float) -> None:
     """A bar of some metres, i.e. cell diameters, above the axes on the right."""
     right, (bottom, top) = axes.get_xlim()[1], axes.get_ylim()
     y = top + 0.17 * axes.figure.dpi * (top - bottom) / axes.get_window_extent().height
     axes.plot([right - metres, right], [y, y], color=unit_rgb(INK), linewidth=2, solid_capstyle="butt", clip_on=False)
-    style = {"ha": "right", "va": "center", "fontsize": 8.5, "color": "0.35", "annotation_clip": False}
+    style: dict[str, Any] = {"ha": "right", "va": "center", "fontsize": 8.5, "color": "0.35", "annotation_clip": False}
     axes.annotate(f"{metres:g} m", (right - metres, y), (-6, 0), textcoords="offset points", **style)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -42,7 +43,7 @@ def _is_of_kind(begin: bytes, ending: str) -> bool:
 
 
 @contextmanager
-def whole(path: Path, *endings: str):
+def whole(path: Path, *endings: str) -> Iterator[str]:
     """`written_whole`, after `check`, by a name of the same ending.  Raises OutputError."""
     check(path, *endings)
     try:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import matplotlib
 import numpy as np
 from matplotlib.collections import EllipseCollection, LineCollection
@@ -9,6 +11,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from ..analysis.gait.analysis import Analysis
+from ..analysis.gait.contact import Contact
 from ..analysis.gait.table import headline
 from ..recording.life import Pose, contrasting_cells
 from .colours import ACCENT, INK, QUIET, SECOND, unit_rgb
@@ -24,9 +27,10 @@ _WIDTH, _DPI = 12.8, 125  # inches
 _STRIP, _CURVES, _LEFT, _TOP, _GAP = 2.3, 2.6, 0.4, 1.05, 0.75  # inches
 
 
-def save_gait(analysis: Analysis, name: str, path, palette: str = DEFAULT) -> None:
+def save_gait(analysis: Analysis, name: str, path: str | os.PathLike, palette: str = DEFAULT) -> None:
     """Draw a gait and save it as a picture.  Args: name: of what has it; path: its ending names the format."""
-    walks = analysis.contact is not None
+    contact = analysis.contact
+    walks = contact is not None
     with matplotlib.rc_context(STYLE):
         height = _TOP + _STRIP + _GAP + _CURVES + (_GAP + 1.3 if walks else 0.0) + 0.6
         figure = Figure((_WIDTH, height), dpi=_DPI, facecolor="white")
@@ -43,8 +47,8 @@ def save_gait(analysis: Analysis, name: str, path, palette: str = DEFAULT) -> No
         top = _TOP + _STRIP + _GAP
         _traces(place(_LEFT + 0.25, top, 6.6, _CURVES), analysis)
         _phases(place(8.0, top, 3.9, _CURVES), place(11.95, top + 0.3, 0.12, _CURVES - 0.6), analysis)
-        if walks:
-            _contacts(place(_LEFT + 0.25, top + _CURVES + _GAP, 11.8, 1.3), analysis)
+        if contact is not None:
+            _contacts(place(_LEFT + 0.25, top + _CURVES + _GAP, 11.8, 1.3), analysis, contact)
         save_figure(figure, path)
 
 
@@ -74,7 +78,8 @@ def _film(place, analysis: Analysis, palette: str) -> None:
         pose = Pose(half.position[step], half.activation[step])
         draw_pose(axes, pose, half.springs, half.outline, half.chambers, palette)
         if half.ground is not None:
-            x = np.linspace(*axes.get_xlim(), 200)
+            left, right = axes.get_xlim()
+            x = np.linspace(left, right, 200)
             axes.plot(x, half.ground(x), color=unit_rgb(QUIET), linewidth=1.2, zorder=0)
         caption(axes, f"{half.time[step] - half.time[steps[0]]:.2f} s")
         if number == 0:
@@ -117,9 +122,9 @@ def _phases(axes, bar, analysis: Analysis) -> None:
     bar.set_ylabel("degrees", fontsize=8)
 
 
-def _contacts(axes, analysis: Analysis) -> None:
+def _contacts(axes, analysis: Analysis, contact: Contact) -> None:
     """Which cells are on the ground, from the rear (below) to the front."""
-    span, contact = _span(analysis, 2 * _CYCLES), analysis.contact
+    span = _span(analysis, 2 * _CYCLES)
     time = analysis.half.time[span]
     order = analysis.frame.shape[:, 0].argsort()
     order = order[contact.duty[order] > 0]

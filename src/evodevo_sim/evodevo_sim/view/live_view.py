@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import os
 import socket
+import subprocess
 from contextlib import ExitStack
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -35,7 +37,8 @@ class LiveView:
         self._name, self._path, self._viewer, self._reach, self._palette = name, path, viewer, reach, palette
         self._pairs = np.empty((0, 2), int)
         self._target = None
-        self._stack, self._process = ExitStack(), None
+        self._stack = ExitStack()
+        self._process: subprocess.Popen | None = None
 
     def __enter__(self) -> LiveView:
         import rerun as rr
@@ -43,7 +46,7 @@ class LiveView:
         self._rr = rr
         with switched_on():
             self._stream = rr.RecordingStream(f"evodevo {self._name}")
-        sinks = [rr.FileSink(str(self._path))] if self._path else []
+        sinks: list[rr.FileSink | rr.GrpcSink] = [rr.FileSink(str(self._path))] if self._path else []
         if self._viewer:
             port = _free_port()
             self._process = self._stack.enter_context(opened("--port", str(port)))
@@ -54,7 +57,7 @@ class LiveView:
             self._stream.log(entity, rr.SeriesLines(names=name, colors=colour), static=True)
         return self
 
-    def __exit__(self, kind, *_) -> None:
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         """End the stream.  A viewer stays open until the user closes it, or a signal asked us to end."""
         with self._stack:
             self._stream.disconnect()
@@ -62,11 +65,11 @@ class LiveView:
                 print("Close the viewer to end.", flush=True)
                 self._process.wait()
 
-    def embody(self, body) -> None:
+    def embody(self, body: Any) -> None:
         """Take the springs of a Body message."""
         self._pairs = np.column_stack((body.spring_a, body.spring_b)).astype(int)
 
-    def show(self, seconds: float, position, activation, target, captured: int) -> None:
+    def show(self, seconds: float, position: np.ndarray, activation: np.ndarray, target: Any, captured: int) -> None:
         """Show one instant.  Args: position (N, 2) m; activation (N,); target (2,) m or None."""
         rr, stream = self._rr, self._stream
         stream.set_time("time", duration=seconds)

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Callable
+from typing import Any
+
 import matplotlib
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..analysis.stretches import holes
@@ -22,7 +27,7 @@ _LEGEND = 2.6  # inches, width of the scale of colours
 _TALLEST = {FRAMES: 2.4, FRAMES // 2: 4.6}  # inches, of the swim's frames, by columns
 _LINE = 160  # characters below the name
 _CYCLES = 8.0  # periods of the muscles to show
-STYLE = {
+STYLE: Any = {
     "font.family": "sans-serif", "font.size": 9, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True,
     "grid.color": "0.93", "axes.axisbelow": True, "axes.edgecolor": "0.6", "axes.titlesize": 10.5, "axes.titleweight": "bold",
     "axes.titlelocation": "left", "axes.titlepad": 9, "text.color": unit_rgb(INK), "axes.labelcolor": unit_rgb(INK),
@@ -31,7 +36,9 @@ STYLE = {
 }
 
 
-def save_story(recording: Recording, life: Life, path, step=lambda part: None, palette: str = DEFAULT) -> None:
+def save_story(
+    recording: Recording, life: Life, path: str | os.PathLike, step: Callable[[str], None] = lambda part: None, palette: str = DEFAULT
+) -> None:
     """Draw the story of a recording and save it as a picture, 12.8 inches wide: 1600 px as a PNG.
 
     Args: path: its ending names the format; step: called with the name of each part before it is drawn.
@@ -50,7 +57,7 @@ def save_story(recording: Recording, life: Life, path, step=lambda part: None, p
         save_figure(figure, path)
 
 
-def save_frame(life: Life, path, step: int = -1, pixels: int = 800) -> None:
+def save_frame(life: Life, path: str | os.PathLike, step: int = -1, pixels: int = 800) -> None:
     """Draw the body at one control step and save it with a transparent background; as a PNG it is `pixels` wide."""
     low, high = bounds(life.position[step])
     width, height = high - low
@@ -123,7 +130,7 @@ def _growth_row(life: Life, palette: str):
     yield 1.9, "growth", draw
 
 
-def caption(axes, text) -> None:
+def caption(axes: Axes, text: str) -> None:
     """A line below axes."""
     axes.text(0.5, -0.03, text, transform=axes.transAxes, ha="center", va="top", fontsize=8.5, color="0.35")
 
@@ -241,6 +248,6 @@ def _fitness(axes, statistics) -> None:
     legend(axes)
 
 
-def legend(axes) -> None:
+def legend(axes: Axes) -> None:
     """In the line of the title."""
     axes.legend(ncols=2, loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2, handlelength=1.5, columnspacing=1.2)

@@ -11,6 +11,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import rerun as rr
 
@@ -28,7 +31,7 @@ _GRID_LINES = 80  # at the most, in each direction
 
 
 def log_recording(
-    stream: rr.RecordingStream, recording: Recording, life: Life, step=lambda part: None, palette: str = DEFAULT
+    stream: rr.RecordingStream, recording: Recording, life: Life, step: Callable[[str], None] = lambda part: None, palette: str = DEFAULT
 ) -> None:
     """Log everything that a recording holds.  Args: step: called with the name of each part before it is logged."""
     stream.log("summary", rr.TextDocument(markdown(recording, life, palette), media_type=rr.MediaType.MARKDOWN), static=True)
@@ -162,7 +165,7 @@ def _log_world(stream, life: Life) -> None:
 
 
 def _log_curves(stream, life: Life) -> None:
-    for k, (cell, colour) in enumerate(zip(contrasting_cells(life.activation), (ACCENT, SECOND))):
+    for cell, colour in zip(contrasting_cells(life.activation), (ACCENT, SECOND)):
         entity = f"plots/activation/cell_{cell}"
         _log_curve(stream, entity, _at(life.time), life.activation[:, cell], f"cell {cell}", colour)
     _log_curve(stream, "plots/distance", _at(life.time), life.distance, "centre of mass", THIRD)
@@ -185,7 +188,7 @@ def _log_target(stream, life: Life) -> None:
         stream.send_columns("animat/scent", _at(life.time[changed]), strips.partition([RINGS] * len(rings)))
 
 
-def scent_rings(target, reach: float) -> np.ndarray:
+def scent_rings(target: Any, reach: float) -> np.ndarray:
     """(RINGS, 97, 3): rings around a target, where its scent has fallen by another fifth."""
     angle = np.linspace(0.0, 2.0 * np.pi, 97)
     ring = np.stack((np.cos(angle), np.sin(angle)), axis=-1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -130,7 +131,7 @@ def _runs(audit: msg.Audit | None) -> dict:
 
 def _numbers(message, prefix: str = "") -> dict:
     """The fields of a message and of those in it, by dotted name."""
-    rows = {}
+    rows: dict[str, Any] = {}
     for name in message.get_fields_and_field_types():
         value = getattr(message, name)
         if isinstance(value, list):  # of genomes to begin from

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import matplotlib
 import numpy as np
 from matplotlib.collections import EllipseCollection
@@ -18,12 +20,14 @@ from .picture import STYLE
 _COLUMN, _ROW = 4.2, 3.9  # inches
 
 
-def save_turning(found: list[tuple[str, Turning]], path, palette: str = DEFAULT) -> None:
+def save_turning(found: list[tuple[str, Turning]], path: str | os.PathLike, palette: str = DEFAULT) -> None:
     """Draw champions, a row each: the map of a turn to the left, of one to the right, and the three paths; save a picture."""
     with matplotlib.rc_context(STYLE):
         figure = Figure((3 * _COLUMN, _ROW * len(found) + 1.1), dpi=125, facecolor="white")
         grid = figure.subplots(len(found), 3, squeeze=False)
-        figure.subplots_adjust(left=0.02, right=0.97, top=1 - 0.75 / figure.get_figheight(), bottom=0.5 / figure.get_figheight(), hspace=0.3)
+        figure.subplots_adjust(
+            left=0.02, right=0.97, top=1 - 0.75 / figure.get_figheight(), bottom=0.5 / figure.get_figheight(), hspace=0.3
+        )
         for axes, (name, one) in zip(grid, found):
             _champion(axes, name, one, _colour_map(palette))
         title = "Change of mean activation in a turn; the way without a target points up"

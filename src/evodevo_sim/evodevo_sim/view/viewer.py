@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
@@ -29,7 +30,7 @@ def is_installed() -> bool:
     return find_spec("rerun") is not None
 
 
-def save(recording: Recording, life: Life, path: str, step=lambda part: None, palette: str = DEFAULT) -> None:
+def save(recording: Recording, life: Life, path: str, step: Callable[[str], None] = lambda part: None, palette: str = DEFAULT) -> None:
     """Write a Rerun file.  Args: step: called with the name of each part before it is written.
 
     Raises OutputError where Rerun is missing or cannot write.
@@ -53,7 +54,7 @@ def save(recording: Recording, life: Life, path: str, step=lambda part: None, pa
 
 
 @contextmanager
-def switched_on():
+def switched_on() -> Iterator[None]:
     """Without the switch by which the environment turns all of Rerun off: who asks for a file wants its contents."""
     switch = os.environ.pop("RERUN", None)
     try:
@@ -64,18 +65,18 @@ def switched_on():
 
 
 @contextmanager
-def opened(*arguments: str | os.PathLike):
+def opened(*arguments: str | os.PathLike) -> Iterator[subprocess.Popen]:
     """The viewer, as a context that ends it.  Nothing leaves this host.  Yields its process."""
     import rerun_cli
 
     # The program itself: its Python wrapper would leave it running when it is ended.
-    program = Path(rerun_cli.__file__).parent / "rerun"
-    program = str(program) if program.exists() else "rerun"
+    beside = Path(rerun_cli.__file__).parent / "rerun"
+    program = str(beside) if beside.exists() else "rerun"
     with tempfile.TemporaryDirectory(prefix="evodevo-") as settings:
         homes = {"XDG_CONFIG_HOME": settings, "XDG_DATA_HOME": settings}
         environment = {"RUST_LOG": "error"} | os.environ | homes
         # The viewer sends statistics of its use to its makers unless its settings say not to, which this command writes.
-        subprocess.run([program, "analytics", "disable"], env=environment, capture_output=True)
+        subprocess.run([program, "analytics", "disable"], env=environment, capture_output=True, check=False)
         viewer = subprocess.Popen([program, "--bind", "127.0.0.1", *arguments], env=environment)
         try:
             with if_ended(lambda: _end(viewer, settings)):

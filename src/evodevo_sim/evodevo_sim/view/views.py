@@ -21,7 +21,7 @@ def blueprint(recording: Recording, life: Life) -> rrb.Blueprint:
     bodies, curves, evolution = _bodies(life), _curves(life), _evolution(recording)
     if not bodies:  # then the timeline is the one of the curves
         evolution = evolution[1:] + evolution[:1]
-    left = [rrb.Tabs(*bodies)] if bodies else []
+    left: list[rrb.Container] = [rrb.Tabs(*bodies)] if bodies else []
     if curves:
         left.append(rrb.Horizontal(*curves))
     right = rrb.Vertical(text, rrb.Tabs(*evolution), row_shares=[3, 2]) if evolution else text

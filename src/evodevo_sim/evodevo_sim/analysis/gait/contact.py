@@ -43,6 +43,8 @@ def contact_of(track: Track, frequency: float, tolerance: float, least_duty: flo
     Args: frequency: Hz, common, or NaN; tolerance: m above the ground that still touch; least_duty: share of the time for which a
         cell of a foot touches; gap: m along the ground between two feet.
     """
+    if track.ground is None:
+        raise ValueError("the track is of a swimmer: contacts take ground")
     x = track.position[..., 0]
     touching = track.ground.touching(track.outline, track.position, tolerance)
     centre = x.mean(axis=1)
@@ -50,7 +52,7 @@ def contact_of(track: Track, frequency: float, tolerance: float, least_duty: flo
     duty = touching.mean(axis=0)
     feet = _feet(x - centre[:, None], touching, duty, least_duty, gap)[:: int(direction)]
     down = np.array([touching[:, foot].any(axis=1) for foot in feet]).reshape(len(feet), len(x))
-    airborne = ~touching.any(axis=1)
+    airborne = np.logical_not(touching.any(axis=1))
     starts = np.count_nonzero(airborne[1:] & ~airborne[:-1])
     return Contact(
         touching=touching, duty=duty, feet=feet, foot_duty=down.mean(axis=1), flight=float(airborne.mean()),

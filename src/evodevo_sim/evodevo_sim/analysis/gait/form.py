@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy import ndimage
 
@@ -10,7 +12,7 @@ _REACH = 0.6  # m around a cell's centre that belong to the body
 _CORNER = 0.3  # m by which a cell's centre must stick out: those of corners do, too, but less
 
 
-def chamber_areas(position, chambers) -> np.ndarray:
+def chamber_areas(position: np.ndarray, chambers: Sequence[np.ndarray]) -> np.ndarray:
     """(T, C) m^2.  Args: position (T, N, 2) m; chambers: C arrays of cells, counter-clockwise."""
     areas = np.empty((len(position), len(chambers)))
     for k, chamber in enumerate(chambers):
@@ -19,19 +21,19 @@ def chamber_areas(position, chambers) -> np.ndarray:
     return areas
 
 
-def share_of_cells(power) -> float:
+def share_of_cells(power: np.ndarray) -> float:
     """The share of the cells over which a power (N,) is spread: 1 where all have alike, 1 / N where one has all."""
     total = power.sum()
     return float(total**2 / (len(power) * (power**2).sum())) if total > 0 else 0.0
 
 
-def synchrony(wave) -> float:
+def synchrony(wave: np.ndarray) -> float:
     """1 where all beat together, about 0 where every phase occurs.  Args: wave (K,) complex."""
     total = np.abs(wave).sum()
     return float(abs(wave.sum()) / total) if total > 0 else 0.0
 
 
-def limbs(shape, thickness: float) -> np.ndarray:
+def limbs(shape: np.ndarray, thickness: float) -> np.ndarray:
     """(N,) whether a cell lies in a part that sticks out: one thinner than `thickness`, m, of a body that has thicker parts.
 
     It is what an opening of the body by a disc takes away.  Args: shape (N, 2) m.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -49,12 +50,12 @@ class BodyFrame:
         return weight @ self.shape[:, 1] / weight.sum(axis=1)
 
 
-def stations(along, width: float = 0.6):
+def stations(along: np.ndarray, width: float = 0.6) -> Any:
     """(N, N) how far two cells are at the same station along the body: 1 beside each other, 0 far away.  Args: width, m."""
     return np.exp(-0.5 * ((along[:, None] - along) / width) ** 2)
 
 
-def body_frame(time, position, frequency, least_travel: float) -> BodyFrame:
+def body_frame(time: np.ndarray, position: np.ndarray, frequency: float, least_travel: float) -> BodyFrame:
     """The frame of a motion.
 
     Args: time (T,) s; position (T, N, 2) m; frequency: Hz, whole periods of which count, or NaN; least_travel: m over the whole
@@ -99,7 +100,7 @@ def _plane(z) -> np.ndarray:
     return np.stack((z.real, z.imag), axis=-1)
 
 
-def swaying(time, frame: BodyFrame, frequency) -> np.ndarray:
+def swaying(time: np.ndarray, frame: BodyFrame, frequency: float) -> np.ndarray:
     """(N, 2) complex m: how each cell beats along and across, at a frequency, in the frame of the body."""
     frames, cells = frame.sway.shape[:2]
     return beats(time, frame.sway.reshape(frames, 2 * cells), frequency)[0].reshape(cells, 2)

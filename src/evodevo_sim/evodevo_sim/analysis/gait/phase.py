@@ -30,7 +30,7 @@ class Sides:
     agreement: float
 
 
-def plane_wave(shape, wave) -> PlaneWave:
+def plane_wave(shape: np.ndarray, wave: np.ndarray) -> PlaneWave:
     """The phase gradient under which cells agree best, weighted by amplitude.  Args: shape (N, 2) m; wave (N,) complex."""
     total = np.abs(wave).sum()
     if not total > 0:
@@ -49,7 +49,7 @@ def plane_wave(shape, wave) -> PlaneWave:
     return PlaneWave(float(found.x[0]), float(found.x[1]), float(-found.fun))
 
 
-def sides(frame: BodyFrame, wave, along: float) -> Sides:
+def sides(frame: BodyFrame, wave: np.ndarray, along: float) -> Sides:
     """Compare the two sides, cells farther from the midline counting more.
 
     Args: wave (N,) complex; along: its phase gradient, rad/m, that cells beside each other do not share exactly.
@@ -62,7 +62,7 @@ def sides(frame: BodyFrame, wave, along: float) -> Sides:
     return Sides(float(abs(np.angle(product.sum()))), float(abs(product.sum()) / most))
 
 
-def bending(frame: BodyFrame, sway, along: float) -> float:
+def bending(frame: BodyFrame, sway: np.ndarray, along: float) -> float:
     """1: both sides sway across the body together, it bends; -1: against each other, it swells and narrows.
 
     Args: sway (N, 2) complex, see `frame.swaying`; along: as for `sides`.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -26,7 +27,7 @@ class Rhythm:
         return 1.0 / self.frequency
 
 
-def common_rhythm(time, signals) -> Rhythm:
+def common_rhythm(time: np.ndarray, signals: np.ndarray) -> Rhythm:
     """The rhythm at the peak of the power spectra's sum.  Args: time (T,) s, evenly spaced; signals (T, K)."""
     frequency = _dominant(time, signals)
     if not np.isfinite(frequency):
@@ -36,7 +37,7 @@ def common_rhythm(time, signals) -> Rhythm:
     return Rhythm(frequency, wave, min(1.0, float(explained / total)) if total > 0 else 0.0)
 
 
-def beats(time, signals, frequency):
+def beats(time: np.ndarray, signals: np.ndarray, frequency: float) -> Any:
     """Least squares of signals (T, K) at a frequency and its harmonics, beside a mean and a trend.
 
     Returns: (complex amplitude (K,) at the frequency itself, variance explained by all of them).

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 from ...parameters import Checked, parameter
 
@@ -50,7 +51,7 @@ def _rhythmic(gait, rules: Rules):
     return None
 
 
-def classify_swimmer(gait, rules: Rules = Rules()) -> tuple[str, str]:
+def classify_swimmer(gait: Any, rules: Rules = Rules()) -> tuple[str, str]:
     """(name, why).  Args: gait: see `analysis.Gait`."""
     none = _rhythmic(gait, rules)
     if none:
@@ -72,7 +73,7 @@ def classify_swimmer(gait, rules: Rules = Rules()) -> tuple[str, str]:
     return UNCLEAR, f"{shift} (agreement {gait.lateral_agreement:.2f}), synchrony {gait.synchrony:.2f}"
 
 
-def classify_walker(gait, rules: Rules = Rules()) -> tuple[str, str]:
+def classify_walker(gait: Any, rules: Rules = Rules()) -> tuple[str, str]:
     """(name, why).  Args: gait: see `analysis.Gait`."""
     none = _rhythmic(gait, rules)
     if none:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ...parameters import Scene, Task
@@ -33,7 +35,7 @@ def ground_of_scene(scene: Scene) -> Ground:
     return Ground(tuple(scene.ground_x), tuple(scene.ground_y))
 
 
-def parts_of_body(body) -> dict:
+def parts_of_body(body: Any) -> dict:
     """What a track takes of a `body.Body`."""
     polygons = np.split(body.polygon_cell, body.polygon_start[1:-1].astype(int)) if len(body.polygon_area) else []
     return {
@@ -43,7 +45,7 @@ def parts_of_body(body) -> dict:
     }
 
 
-def track_of_performance(performance: Performance, task: Task = Task(), ground=None) -> Track:
+def track_of_performance(performance: Performance, task: Task = Task(), ground: Ground | None = None) -> Track:
     """The track of a life.  Args: ground: as in `Track`, by default that of the task.  Raises GaitError where nothing lived."""
     if performance.body is None or performance.evaluation.cause:
         raise GaitError(f"nothing moved: {performance.evaluation.cause or 'the egg never divided'}: give a genome that lives")
@@ -53,12 +55,13 @@ def track_of_performance(performance: Performance, task: Task = Task(), ground=N
     )
 
 
-def track_of_motion(own, motion, ground=None) -> Track:
+def track_of_motion(own: Any, motion: Any, ground: Ground | None = None) -> Track:
     """The track of `simulate_body`'s motion of an `OwnBody`.  Args: ground: as in `Track`; by default flat where the motion has
     ground at all."""
     system = motion.system
     world = World(
-        float(1.0 / own.body.inverse_mass.mean()), *own.stuff, system.law.drag_normal, system.law.drag_tangential, system.gravity
+        float(1.0 / own.body.inverse_mass.mean()), **own.stuff._asdict(), drag_normal=system.law.drag_normal,
+        drag_tangential=system.law.drag_tangential, gravity=system.gravity,
     )
     return Track(
         motion.time, motion.position, motion.activation, velocity=motion.velocity, world=world,

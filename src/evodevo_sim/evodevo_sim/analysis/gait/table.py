@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+import os
 
 import numpy as np
 from rich.table import Table
@@ -68,13 +69,13 @@ def _rows(g: Gait):
         yield "mass over its support, amplitude", g.mass_shift, "m"
 
 
-def write_cells(path, analysis: Analysis) -> None:
+def write_cells(path: str | os.PathLike, analysis: Analysis) -> None:
     """Write a CSV file: a line per cell with its place in the body, amplitude and phase (from the mean of all), limb or not and,
     of walkers, the share of the time for which it touches the ground."""
     wave, contact = analysis.rhythm.wave, analysis.contact
     phase = np.angle(wave * np.conj(wave.sum())) if wave.any() else np.zeros(len(wave))
     columns = [range(len(wave)), *analysis.frame.shape.T, np.abs(wave), phase, analysis.limb.astype(int)]
-    names = _CELLS
+    names: tuple[str, ...] = _CELLS
     if contact is not None:
         columns.append(contact.duty)
         names += ("duty",)

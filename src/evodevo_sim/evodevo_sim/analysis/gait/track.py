@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -61,7 +61,9 @@ class Track:
             raise GaitError(f"the body has {cells} cell{'' if cells == 1 else 's'}: a gait takes two or more")
         for name in ("time", "position", "activation", "velocity"):
             values = getattr(self, name)
-            bad = np.flatnonzero(~np.isfinite(values).reshape(frames, -1).all(axis=1)) if values is not None else ()
+            if values is None:
+                continue
+            bad = np.flatnonzero(~np.isfinite(values).reshape(frames, -1).all(axis=1))
             if len(bad):
                 raise GaitError(f"{name} holds no number in frame {bad[0]} of {frames}: give a motion that did not fail")
         if not (np.diff(self.time) > 0).all():
@@ -75,13 +77,14 @@ class Track:
         late = slice(len(self.time) // 2, None)
         time = self.time[late]
         even = np.linspace(time[0], time[-1], len(time))
-        velocity = None if self.velocity is None else self.velocity[late]
-        parts = [time, self.position[late], self.activation[late], velocity]
-        if np.abs(time - even).max() > _UNEVEN * (even[1] - even[0]):
-            parts = [None if part is None else _at(even, time, part) for part in parts]
-        return Track(
-            *parts[:3], self.springs, self.rest_length, self.outline, self.chambers, self.chamber_area, parts[3], self.world,
-            self.ground, self.held,
+        uneven = np.abs(time - even).max() > _UNEVEN * (even[1] - even[0])
+
+        def later(values: np.ndarray) -> np.ndarray:
+            return _at(even, time, values[late]) if uneven else values[late]
+
+        return replace(
+            self, time=later(self.time), position=later(self.position), activation=later(self.activation),
+            velocity=None if self.velocity is None else later(self.velocity),
         )
 
     def speeds(self) -> np.ndarray:
@@ -89,7 +92,7 @@ class Track:
         return np.gradient(self.position, self.time, axis=0) if self.velocity is None else self.velocity
 
 
-def _at(now, time, values):
+def _at(now: np.ndarray, time: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Values (T, ...) at other times, by linear interpolation."""
     flat = values.reshape(len(time), -1)
     return np.stack([np.interp(now, time, column) for column in flat.T], axis=1).reshape(len(now), *values.shape[1:])

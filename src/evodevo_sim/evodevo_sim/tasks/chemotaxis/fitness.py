@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ...brain.scent import make_signals
@@ -15,7 +17,7 @@ LEFT, RIGHT = range(2)
 _NOT_KEPT = np.empty((0, 0, 0)), np.empty((0, 0))
 
 
-def run(genome: Genome, task: Task, seed: int, finer: int, track, traces) -> Evaluation:
+def run(genome: Genome, task: Task, seed: int, finer: float, track: np.ndarray, traces: np.ndarray) -> Evaluation:
     """Evaluate a seeker.  Args: see `swim.swim`; the swim that is kept is the one with the target on the left, if there is one."""
     return score(attempt(genome, task, seed, placements(task), LEFT, finer, track, traces, every=False), task)
 
@@ -29,8 +31,8 @@ def placements(task: Task) -> np.ndarray:
 
 
 def attempt(
-    genome: Genome, task: Task, seed: int, placed, shown: int = LEFT, finer: int = 1, track=_NOT_KEPT[0], traces=_NOT_KEPT[1],
-    every: bool = True,
+    genome: Genome, task: Task, seed: int, placed: np.ndarray, shown: int = LEFT, finer: float = 1,
+    track: np.ndarray = _NOT_KEPT[0], traces: np.ndarray = _NOT_KEPT[1], every: bool = True,
 ) -> Trials:
     """All swims of a genome.  Args: placed (K, 2), every, shown: see `Tests`; track, traces: see `life.Kept`."""
     signals = make_signals(noise=task.noise.arguments(), seed=seed)
@@ -39,12 +41,12 @@ def attempt(
     return trials(*kernel_arguments(genome, task), finer, tests, signals, track, traces)
 
 
-def late(path) -> np.ndarray:
+def late(path: np.ndarray) -> np.ndarray:
     """The points (SAMPLES, 2) of a path in its last window."""
     return path[-SAMPLES:]
 
 
-def approach(path, target, heading, angle: float) -> tuple[float, float, float]:
+def approach(path: np.ndarray, target: np.ndarray, heading: np.ndarray | tuple[float, float], angle: float) -> tuple[float, float, float]:
     """How a path went towards a target.
 
     Args: path (S + 1, 2) m; target (2,) m; heading: unit vector of the way without a target; angle: of the target from it, rad.
@@ -62,7 +64,7 @@ def approach(path, target, heading, angle: float) -> tuple[float, float, float]:
 def score(result: Trials, task: Task) -> Evaluation:
     """What pays: sustained forward motion; then muscles that work in scent, and turning and nearing on both sides."""
     status, path, c = Status(result.status), result.path, task.chemotaxis
-    sizes = {"cells": result.cells, "springs": result.springs, "chambers": result.chambers, "substeps": result.substeps}
+    sizes: dict[str, Any] = {"cells": result.cells, "springs": result.springs, "chambers": result.chambers, "substeps": result.substeps}
     if status in FAILURE:
         stiff = status == Status.UNSTABLE and result.failed_step < 0
         return failure(status, Metrics(**sizes), result.failed_step, STIFF if stiff else "")

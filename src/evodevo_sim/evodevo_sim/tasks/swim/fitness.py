@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ...brain.controller import Controller
@@ -35,7 +37,7 @@ def begin(genome: Genome, task: Task, seed: int) -> tuple[int, Controller, Swimm
     return status, controller, SwimmingBody(life.state, controller.signals)
 
 
-def run(genome: Genome, task: Task, seed: int, finer: int, track, traces) -> Evaluation:
+def run(genome: Genome, task: Task, seed: int, finer: float, track: np.ndarray, traces: np.ndarray) -> Evaluation:
     """Evaluate a swimmer.  Args: finer, track, traces: see `swim.swim`; seed: of the noise, if there is any."""
     signals = make_signals(noise=task.noise.arguments(), seed=seed)
     return score(swim(*kernel_arguments(genome, task), finer, signals, track, traces), task)
@@ -56,7 +58,7 @@ def slowest_progress(path: np.ndarray) -> float:
     return float(ways.min()) * float(np.hypot(*(path[-1] - path[0]))) / whole if whole > 0.0 else 0.0
 
 
-def score(result, task: Task) -> Evaluation:
+def score(result: Any, task: Task) -> Evaluation:
     status = Status(result.status)
     path = result.path
     failed = status in FAILURE

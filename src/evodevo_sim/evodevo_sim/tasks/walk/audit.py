@@ -6,6 +6,8 @@ must agree are means over many starts.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ...genetics.genome import Genome
@@ -31,7 +33,7 @@ def other_headings(seed: int) -> np.ndarray:
     return headings((seed, _OTHER), STARTS)
 
 
-def trial(genome: Genome, task: Task, directions, finer: int = 1, seed: int = 0):
+def trial(genome: Genome, task: Task, directions: np.ndarray, finer: float = 1, seed: int = 0) -> Any:
     """(Walk, fitness (S,), ledger (S, 4), positions (T + 1, N, 2) from the first) of a walker from these directions.
 
     Args: seed: of noise.
@@ -51,19 +53,21 @@ def audit(genome: Genome, task: Task, seed: int, first: Performance, most_change
     """
     body = first.body
     most_change, finer = MOST_CHANGE if most_change is None else most_change, QUICK_FINER if quick else FINER
-    result, _, *rest = trial(genome, task, headings(seed, task.starts), seed=seed)
+    result, _, ledger, positions = trial(genome, task, headings(seed, task.starts), seed=seed)
     evaluation = score(result, task)
-    runs = [_run("as evolved", evaluation.fitness, evaluation.fitness, result, *rest, task, body)]
+    runs = [_run("as evolved", evaluation.fitness, evaluation.fitness, result, ledger, positions, task, body)]
     others = other_headings(seed)
-    result, fitness, *rest = trial(genome, task, others, seed=seed)
+    result, fitness, ledger, positions = trial(genome, task, others, seed=seed)
     mean, median = float(fitness.mean()), _median(fitness)
     far, own = _median(progress(result.path, task)[0]), evaluation.metrics.distance
-    runs.append(_run(f"mean of {STARTS} other starts", mean, evaluation.fitness, result, *rest, task, body))
-    result, fine, *rest = trial(genome, task, others, finer, seed)
-    runs.append(_run(f"mean of those, {finer} x finer", float(fine.mean()), mean, result, *rest, task, body))
+    runs.append(_run(f"mean of {STARTS} other starts", mean, evaluation.fitness, result, ledger, positions, task, body))
+    result, fine, ledger, positions = trial(genome, task, others, finer, seed)
+    runs.append(_run(f"mean of those, {finer} x finer", float(fine.mean()), mean, result, ledger, positions, task, body))
     faults = list(_faults(runs, evaluation.fitness, median, most_change))
     if not far >= LEAST_SHARE * own:
-        faults.append(f"{STARTS} other starts: it walks {far:.4g} m in their median, less than {LEAST_SHARE:g} of {own:.4g} m: it is the start's luck")
+        faults.append(
+            f"{STARTS} other starts: it walks {far:.4g} m in their median, less than {LEAST_SHARE:g} of {own:.4g} m: it is the start's luck"
+        )
     says = f"It walks {far:.4g} m in the median of {STARTS} other starts, {far / max(own, 1e-12):.2f} of the {own:.4g} m from its own."
     return Audit(evaluation, tuple(runs), tuple(faults), says)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -25,7 +26,7 @@ def kernel_arguments(genome: Genome, task: Task) -> tuple:
     return *swim_arguments(genome, task), make_terrain(task.scene)
 
 
-def headings(seed, starts: int) -> np.ndarray:
+def headings(seed: int | tuple[int, ...], starts: int) -> np.ndarray:
     """(starts, 2): unit vectors spread over the circle, the first one at random; those of fewer starts come first among those of more.
 
     Turns go by van der Corput's sequence, 0, 1/2, 1/4, 3/4, 1/8, ...: 2^k starts are evenly spread.
@@ -37,13 +38,13 @@ def headings(seed, starts: int) -> np.ndarray:
     return np.column_stack((np.cos(angle), np.sin(angle)))
 
 
-def run(genome: Genome, task: Task, seed: int, finer: int, track, traces) -> Evaluation:
+def run(genome: Genome, task: Task, seed: int, finer: float, track: np.ndarray, traces: np.ndarray) -> Evaluation:
     """Evaluate a walker.  Args: seed: of its orientations at birth, and of noise; finer, track, traces: see `walk.walk`."""
     given, ledger = kernel_arguments(genome, task), np.zeros((task.starts, 0))
     return score(walk(*given, headings(seed, task.starts), finer, noise(task, seed), (track, traces), ledger), task)
 
 
-def noise(task: Task, seed: int = 0):
+def noise(task: Task, seed: int = 0) -> Any:
     """The `scent.Signals` of a walker: noise alone."""
     return make_signals(noise=task.noise.arguments(), seed=seed)
 
@@ -59,7 +60,7 @@ def begin(genome: Genome, task: Task, seed: int) -> tuple[int, Controller, Walki
     return status, controller, WalkingBody(walker.grounded, controller.signals)
 
 
-def progress(path, task: Task):
+def progress(path: np.ndarray, task: Task) -> Any:
     """(m in all, in the second half, in the slowest window) of every start, counted along the way from start to end.
 
     Args: path (S, windows + 1) m.  The last two are negative where it went back: shaking about a place earns nothing.
@@ -70,13 +71,13 @@ def progress(path, task: Task):
     return np.abs(way), late, (along[:, None] * np.diff(path, axis=1)).min(1)
 
 
-def moved(result, task: Task) -> np.ndarray:
+def moved(result: Any, task: Task) -> np.ndarray:
     """(S,) m: the part of a fitness that is motion alone, the sustained distance unless the task counts the plain one."""
     distance, _, slowest = progress(result.path, task)
     return distance if task.fitness == "distance" else task.windows * np.maximum(slowest, 0.0)
 
 
-def start_fitness(result, task: Task) -> np.ndarray:
+def start_fitness(result: Any, task: Task) -> np.ndarray:
     """(S,) m: what every start earns; nothing where the body did not come to rest, or failed."""
     earned = moved(result, task)
     if task.fitness != "distance":
@@ -84,18 +85,18 @@ def start_fitness(result, task: Task) -> np.ndarray:
     return np.where(np.isin(result.status, list(FAILURE)), 0.0, earned)
 
 
-def worse_half(earned) -> float:
+def worse_half(earned: np.ndarray) -> float:
     """The mean of the worse half of what starts (S,) earn, the middle one of an odd number with it: their median is as much or more."""
     return float(np.sort(earned)[: (len(earned) + 1) // 2].mean())
 
 
-def fitness_by_start(genome: Genome, task: Task, directions) -> np.ndarray:
+def fitness_by_start(genome: Genome, task: Task, directions: np.ndarray) -> np.ndarray:
     """(S,) m: what a walker earns from each of these orientations (S, 2); nothing where it fails."""
     result = walk(*kernel_arguments(genome, task), directions, 1, noise(task), NOT_KEPT, np.zeros((len(directions), 0)))
     return start_fitness(result, task)
 
 
-def score(result, task: Task) -> Evaluation:
+def score(result: Any, task: Task) -> Evaluation:
     """The mean of the worse half of the starts; a failure where physics or growth failed in one, or no start came to rest."""
     fatal = [k for k, s in enumerate(result.status) if Status(int(s)) in FAILURE and s != Status.UNSETTLED]
     unsettled = result.status == Status.UNSETTLED
