@@ -70,7 +70,8 @@ def imports() -> list[tuple[str, str]]:
         for node in ast.walk(tree):
             if id(node) in for_types:
                 continue
-            for target in _targets(node, module, file.name == "__init__.py"):
+            for name in _targets(node, module, file.name == "__init__.py"):
+                target = name
                 while target and target not in known:
                     target = target.rpartition(".")[0]
                 if target:
