@@ -21,7 +21,9 @@ FIGURE = ROOT / "docs" / "images" / "architecture.svg"
 ROOMS = (
     ("inputs", "how numbers are spelt and values shown; base of the errors about them", ""),
     ("text_file", "files that people write: YAML and JSON, read within limits", ""),
+    ("command_process", "the life of a command: signals, standard streams, exit code", ""),
     ("whole_file", "files written whole or not at all", ""),
+    ("lazy", "packages that import what they offer when it is asked for", ""),
     ("kernels", "how compiled code is made, cached and put into vector registers", ""),
     ("profiles", "heights of ground and ceiling, as numbers", ""),
     ("task_kinds", "the one table of tasks: swim, walk, chemotaxis, yours", "4"),
@@ -36,11 +38,12 @@ ROOMS = (
     ("tasks", "evaluate: a kernel, a fitness and an audit for each task", "4"),
     ("live", "an animat step by step, at a pace; targets", "4.3"),
     ("analysis", "what motions are like: gaits by name, turning", "4, Fig. 6"),
-    ("ros", "messages to and from objects; processes; callbacks that cannot end a node", ""),
-    ("recording", "rosbag2 recordings: the table of topics, writer, readers", ""),
+    ("library", "what the package offers to Python", ""),
+    ("ros", "the table of topics; messages to and from objects; callbacks that cannot end a node", ""),
+    ("recording", "rosbag2 recordings: writer, readers", ""),
     ("view", "Rerun, and pictures as PNG, SVG, PDF", "Figs. 2-6"),
     ("nodes", "nodes: services and live topics, thin over the above", ""),
-    ("commands", "the other commands of ros2 run evodevo_sim", ""),
+    ("commands", "command lines of ros2 run evodevo_sim", ""),
 )
 EDGE = "ros"  # from here on ROS, MCAP and Rerun may be imported
 
@@ -169,7 +172,7 @@ def draw(path: Path) -> None:
     text = {name: "\n".join(textwrap.wrap(contents(name), 96)) for name in names}
     rows = _rows(names, text)
     trunks: dict[str, list[str]] = {}
-    for one, other in sorted(_needed(set(between_rooms())), key=lambda arrow: names.index(arrow[0])):
+    for one, other in sorted(_needed(set(between_rooms())), key=lambda arrow: [names.index(room) for room in arrow]):
         trunks.setdefault(other, []).append(one)
     lanes = _lanes(names, trunks)
     wide, lane_width = 8.4, 0.27

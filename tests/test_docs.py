@@ -1,4 +1,4 @@
-"""The pages hold what they say: links, paths, commands, flags, parameters, topics, and Python that compiles."""
+"""The pages hold what they say: links, paths, commands, flags, parameters, messages, and Python that compiles."""
 
 import importlib.util
 import os
@@ -170,18 +170,11 @@ def test_parameters_of_the_page_are_those_of_the_code():
     assert set(module.ORIGINS) <= set(rows)
 
 
-def test_messages_and_topics_of_the_page_are_those_of_the_code():
+def test_messages_of_the_page_are_those_of_the_code():
     text = page_text("docs/reference/messages.md")
     types = {file.stem for file in (ROOT / "src/evodevo_msgs").rglob("*.?[sr][gv]")}
     listed = text[text.index("## All types"):]
     assert {name for name in re.findall(r"`(\w+)`", listed) if name[0].isupper()} == types
-    from evodevo_sim.recording.topics import TOPICS
-
-    recorded = text[text.index("## A recording"): text.index("**How one is read.**")]
-    rows = re.findall(r"^\| `([\w/]+)` \| `\w+/msg/(\w+)` \| (one|many)(, latched)? \|", recorded, re.MULTILINE)
-    assert {(name, kind, count == "many", bool(latched)) for name, kind, count, latched in rows} == {
-        (topic.name, topic.type.__name__, topic.many, topic.latched) for topic in TOPICS
-    }
 
 
 def test_pages_that_code_names_exist():
