@@ -169,7 +169,7 @@ def draw(path: Path) -> None:
     present = {room_of(module) for module in modules()}
     rooms = [room for room in ROOMS if room[0] in present]
     names = [name for name, _, _ in rooms]
-    text = {name: "\n".join(textwrap.wrap(contents(name), 96)) for name in names}
+    text = {name: "\n".join(textwrap.wrap(contents(name), 92)) for name in names}
     rows = _rows(names, text)
     trunks: dict[str, list[str]] = {}
     for one, other in sorted(_needed(set(between_rooms())), key=lambda arrow: [names.index(room) for room in arrow]):
@@ -206,9 +206,9 @@ def draw(path: Path) -> None:
         axes.text(0.12, top + 0.22, name, va="center", fontsize=11, fontweight="bold", zorder=4)
         if section:
             axes.text(wide - 0.12, top + 0.22, f"paper {section}", ha="right", va="center", fontsize=8.5, color="0.3", zorder=4)
-        axes.text(1.6, top + 0.22, what, va="center", fontsize=9.5, zorder=4)
+        axes.text(1.8, top + 0.22, what, va="center", fontsize=9.5, zorder=4)
         for number, part in enumerate(text[name].splitlines()):
-            axes.text(1.6, top + 0.45 + 0.15 * number, part, va="center", fontsize=8, color="0.3", zorder=4)
+            axes.text(1.8, top + 0.45 + 0.15 * number, part, va="center", fontsize=8, color="0.3", zorder=4)
     figure.savefig(path, metadata={"Date": None})
     plt.close(figure)
 
