@@ -26,7 +26,7 @@ from ..ros.environment import started
 from ..ros.messages import genome_message, target_message, task_message
 from ..ros.own_simulators import OwnSimulators
 from ..ros.process import stay_on_this_host
-from ..ros.topics import ACTUATION, BODY, CELL_STATES, TARGET_POSE, Topic
+from ..ros.topics import ACTUATION, BODY, CELL_STATES, EVENTS, TARGET_POSE, Topic
 from ..view.files import OutputError
 
 _START = 90.0  # s for a simulator of our own to start; it may have to compile
@@ -115,7 +115,7 @@ class Chase:
         callbacks.subscription(BODY.type, BODY.at(namespace), self._embody, BODY.quality)
         callbacks.subscription(CELL_STATES.type, CELL_STATES.at(namespace), self._follow, CELL_STATES.quality)
         if self.recorder:  # a simulator makes these messages only where somebody listens
-            callbacks.subscription(ACTUATION.type, ACTUATION.at(namespace), self._actuate, ACTUATION.quality)
+            callbacks.subscription(ACTUATION.type, ACTUATION.at(namespace), self._actuate, EVENTS.profile())  # each is kept
         self._wait(
             executor, lambda: self._publisher.get_subscription_count() and node.count_publishers(CELL_STATES.at(namespace)), own,
             f"{namespace} is no simulator",
