@@ -27,7 +27,7 @@ import matplotlib.pyplot as plt
 
 CHAMPION = Path(__file__).resolve().with_name("swimmer.yaml")  # seed 3 after 50 generations of one population; it grows to any limit
 STEP = 1 / 60  # s, of control
-TINY, QUICK, FULL = range(3)  # tests; --quick; the figures of docs/benchmarks.md
+TINY, QUICK, FULL = range(3)  # tests; --quick; the figures of docs/results/benchmarks.md
 
 # What a part found.  measured: text; asked: text, or nothing; met: True, False, or None where nothing is asked.
 Figure = namedtuple("Figure", "part what measured asked met", defaults=("", None))

@@ -1,5 +1,5 @@
 #!/usr/bin/env python
-"""Put the figures and pictures of a run of `make bench` into docs/benchmarks.md: between its marks, nothing else.
+"""Put the figures and pictures of a run of `make bench` into docs/results/benchmarks.md: between its marks, nothing else.
 
     python benchmarks/page.py [DIR]
 """
@@ -49,7 +49,7 @@ def main():
             figures = list(csv.DictReader(file))
     except OSError as error:
         sys.exit(f"{results}: {error.strerror}: run make bench first, or give its --out directory")
-    page = DOCS / "benchmarks.md"
+    page = DOCS / "results" / "benchmarks.md"
     page.write_text(fill(page.read_text(encoding="utf-8"), figures), encoding="utf-8")
     for name in PICTURES:
         if (results / f"{name}.png").exists():

@@ -1,5 +1,5 @@
 #!/usr/bin/env python
-"""All benchmarks of docs/benchmarks.md, one after the other: `make bench`.
+"""All benchmarks of docs/reference/benchmarks.md, one after the other: `make bench`.
 
     python benchmarks/run.py [--quick] [--out DIR] [--only PART ...]
 
@@ -46,7 +46,7 @@ def main():
     figures, failed = run(QUICK if given.quick else FULL, given.out, given.only)
     show(figures)
     missed = sum(one.met is False for one in figures)
-    print(f"{missed} figures miss what is asked of them.  CSV and PNG are in {given.out}; docs/benchmarks.md explains them.")
+    print(f"{missed} figures miss what is asked of them.  CSV and PNG are in {given.out}; docs/reference/benchmarks.md explains them.")
     for cause in failed:
         print(f"FAILED: {cause}", file=sys.stderr)
     sys.exit(1 if failed else 0)

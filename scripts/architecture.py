@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import ast
 import sys
+import textwrap
+from collections.abc import Sequence
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -17,31 +19,31 @@ FIGURE = ROOT / "docs" / "images" / "architecture.svg"
 
 # From the foundation up: name, what it holds, where the paper tells of it.
 ROOMS = (
-    ("inputs", "numbers and errors of what people give", ""),
-    ("text_file", "YAML and JSON with limits", ""),
-    ("command_process", "signals, streams, exit codes", ""),
+    ("inputs", "how numbers are spelt and values shown; base of the errors about them", ""),
+    ("text_file", "files that people write: YAML and JSON, read within limits", ""),
+    ("command_process", "the life of a command: signals, standard streams, exit code", ""),
     ("whole_file", "files written whole or not at all", ""),
-    ("lazy", "packages import what is asked for", ""),
-    ("kernels", "how compiled code is made", ""),
-    ("profiles", "heights of ground and ceiling", ""),
-    ("task_kinds", "table of tasks", "4"),
-    ("parameters", "every number of the model", ""),
-    ("worlds", "grounds to walk on", "4.1"),
-    ("genetics", "genome, regulatory network", "2.1"),
-    ("development", "growth, Gabriel graph, body", "2.2, 2.3"),
-    ("physics", "forces, steps, contact, energy", "2.3, 4"),
-    ("own_body", "bodies from files", ""),
-    ("brain", "one control step of the network", "2.1, 4"),
-    ("plant", "what a brain drives", "4"),
-    ("tasks", "swim, walk, chemotaxis; audits", "4"),
-    ("live", "an animat at a pace", ""),
-    ("analysis", "gaits, turning", "4, Fig. 6"),
-    ("library", "what the package offers", ""),
-    ("ros", "messages, processes, command lines", ""),
-    ("recording", "rosbag2 in MCAP", ""),
-    ("view", "Rerun, figures", "Figs. 2-6"),
-    ("nodes", "simulator, chase", ""),
-    ("commands", "audit, gait, replay, ...", ""),
+    ("lazy", "packages that import what they offer when it is asked for", ""),
+    ("kernels", "how compiled code is made, cached and put into vector registers", ""),
+    ("profiles", "heights of ground and ceiling, as numbers", ""),
+    ("task_kinds", "the one table of tasks: swim, walk, chemotaxis, yours", "4"),
+    ("parameters", "every number of the model, with unit and range", ""),
+    ("worlds", "grounds to walk on: presets and files", "4.1"),
+    ("genetics", "genome and its file; gene regulatory network: affinities, one step of all cells", "2.1"),
+    ("development", "growth: division, adhesion, morphogens; Gabriel graph; body", "2.2, 2.3"),
+    ("physics", "springs, chambers, drag; steps and their bounds; contact, friction; energy", "2.3, 4"),
+    ("own_body", "bodies of your own, from files", ""),
+    ("brain", "one control step of the network; its senses: scent, noise", "2.1, 4.3"),
+    ("plant", "what a brain drives: the contract, and the simulated bodies", "4"),
+    ("tasks", "evaluate: a kernel, a fitness and an audit for each task", "4"),
+    ("live", "an animat step by step, at a pace; targets", "4.3"),
+    ("analysis", "what motions are like: gaits by name, turning", "4, Fig. 6"),
+    ("library", "what the package offers to Python", ""),
+    ("ros", "the table of topics; messages to and from objects; callbacks that cannot end a node", ""),
+    ("recording", "rosbag2 recordings: writer, readers", ""),
+    ("view", "Rerun, and pictures as PNG, SVG, PDF", "Figs. 2-6"),
+    ("nodes", "nodes: services and live topics, thin over the above", ""),
+    ("commands", "command lines of ros2 run evodevo_sim", ""),
 )
 EDGE = "ros"  # from here on ROS, MCAP and Rerun may be imported
 
@@ -73,7 +75,8 @@ def imports() -> list[tuple[str, str]]:
         for node in ast.walk(tree):
             if id(node) in for_types:
                 continue
-            for target in _targets(node, module, file.name == "__init__.py"):
+            for name in _targets(node, module, file.name == "__init__.py"):
+                target = name
                 while target and target not in known:
                     target = target.rpartition(".")[0]
                 if target:
@@ -116,14 +119,6 @@ def faults() -> list[str]:
     return wrong
 
 
-def floors() -> dict[str, int]:
-    """The floor of each room: one above the highest of those that it imports from."""
-    arrows, height = between_rooms(), {}
-    for name, _, _ in ROOMS:
-        height[name] = max((height[other] + 1 for one, other in arrows if one == name and other in height), default=0)
-    return height
-
-
 def _needed(arrows: set[tuple[str, str]]) -> set[tuple[str, str]]:
     """Arrows without those that a longer way implies, so that the figure can be read."""
     below: dict[str, set[str]] = {}
@@ -136,46 +131,86 @@ def _needed(arrows: set[tuple[str, str]]) -> set[tuple[str, str]]:
     }
 
 
+def contents(room: str) -> str:
+    """Modules of a room, and with a slash its sub-packages; of a single module nothing."""
+    below = {name.split(".")[1] + "/" * (name.count(".") > 1) for name in modules() if name.startswith(room + ".")}
+    return ", ".join(sorted(name for name in below if name + "/" not in below))
+
+
+def _rows(names: Sequence[str], text: dict[str, str]) -> dict[str, tuple[float, float]]:
+    """Top and height of each room, inches downward from 0."""
+    top, rows = 0.0, {}
+    for name in names:
+        height = 0.46 + 0.15 * len(text[name].splitlines())
+        rows[name], top = (top, height), top + height + 0.1
+    return rows
+
+
+def _lanes(names: Sequence[str], trunks: dict[str, list[str]]) -> dict[str, int]:
+    """A lane for the trunk of each imported room, short ones first, so that no two lie upon each other."""
+    lanes: dict[str, int] = {}
+    spans: dict[str, tuple[int, int]] = {to: (names.index(to), max(names.index(one) for one in ones)) for to, ones in trunks.items()}
+    for to in sorted(trunks, key=lambda name: (spans[name][1] - spans[name][0], spans[name])):
+        first, last = spans[to]
+        taken = {lanes[other] for other in lanes if spans[other][0] <= last and first <= spans[other][1]}
+        lanes[to] = next(lane for lane in range(len(trunks)) if lane not in taken)
+    return lanes
+
+
 def draw(path: Path) -> None:
-    """Write the figure.  An arrow leads from a room to one that it imports from."""
+    """Write the figure: a row for each room, and for each imported room a trunk that leads up to it from all that import from it."""
     import matplotlib
 
     matplotlib.use("svg")
     matplotlib.rcParams["svg.hashsalt"] = "evodevo"
+    matplotlib.rcParams["svg.fonttype"] = "none"  # text stays text: small, and found by a search
     import matplotlib.pyplot as plt
 
     present = {room_of(module) for module in modules()}
     rooms = [room for room in ROOMS if room[0] in present]
-    height = {name: floor for name, floor in floors().items() if name in present}
     names = [name for name, _, _ in rooms]
-    wide, high = 3.3, 0.9
-    place = {}
-    for floor in range(max(height.values()) + 1):
-        row = [name for name in names if height[name] == floor]
-        for k, name in enumerate(row):
-            place[name] = ((k - (len(row) - 1) / 2) * (wide + 0.5), floor * (high + 0.65))
-    figure, axes = plt.subplots(figsize=(11, 0.82 * (max(height.values()) + 1) + 0.8))
-    edge_from = names.index(EDGE)
-    for one, other in sorted(_needed(set(between_rooms()))):
-        if one in place and other in place:
-            (x, y), (u, v) = place[one], place[other]
-            bend = 0.0 if height[one] - height[other] == 1 else 0.12 * (1 if x <= u else -1)
-            axes.annotate(
-                "", xy=(u, v + high / 2), xytext=(x, y - high / 2),
-                arrowprops={"arrowstyle": "-|>", "color": "0.55", "lw": 0.9,
-                            "connectionstyle": f"arc3,rad={bend}", "shrinkA": 0, "shrinkB": 0},
-            )
-    for k, (name, what, section) in enumerate(rooms):
-        x, y = place[name]
-        colour = "#dbe9f6" if k < edge_from else "#fbe6cf"
-        axes.add_patch(plt.Rectangle((x - wide / 2, y - high / 2), wide, high, facecolor=colour, edgecolor="0.35", lw=0.9, zorder=3))
-        axes.text(x, y + 0.18, name, ha="center", va="center", fontsize=10, fontweight="bold", zorder=4)
-        below = what + (f"  ({section})" if section else "")
-        axes.text(x, y - 0.2, below, ha="center", va="center", fontsize=6.8, zorder=4)
-    axes.set_xlim(min(x for x, _ in place.values()) - wide * 0.6, max(x for x, _ in place.values()) + wide * 0.6)
-    axes.set_ylim(-high, max(y for _, y in place.values()) + high)
+    text = {name: "\n".join(textwrap.wrap(contents(name), 92)) for name in names}
+    rows = _rows(names, text)
+    trunks: dict[str, list[str]] = {}
+    for one, other in sorted(_needed(set(between_rooms())), key=lambda arrow: [names.index(room) for room in arrow]):
+        trunks.setdefault(other, []).append(one)
+    lanes = _lanes(names, trunks)
+    wide, lane_width = 8.4, 0.27
+    right = wide + lane_width * (max(lanes.values()) + 2)
+    bottom = max(top + height for top, height in rows.values())
+    figure = plt.figure(figsize=(right + 0.3, bottom + 0.3))
+    axes = figure.add_axes((0, 0, 1, 1))
+    axes.set_xlim(-0.15, right + 0.15)
+    axes.set_ylim(bottom + 0.15, -0.15)
     axes.axis("off")
-    figure.savefig(path, bbox_inches="tight", metadata={"Date": None})
+
+    # Where lines touch a box: its own trunk's arrowhead near the top, below it a line for each room that it imports from.
+    leaving = {name: [to for to in sorted(trunks, key=lambda to: lanes[to]) if name in trunks[to]] for name in names}
+    colours = ("#1f5fa8", "#b3541e", "#2b7d4f", "#8a3f8f", "#5b5b5b", "#a8872a", "#b02a4a", "#1d7f8c")
+    for to, ones in trunks.items():
+        colour, x = colours[names.index(to) % len(colours)], wide + lane_width * (lanes[to] + 1)
+        line = {"color": colour, "lw": 1.3, "solid_capstyle": "round"}
+        head = rows[to][0] + 0.13
+        touch = {one: rows[one][0] + rows[one][1] - 0.11 * (len(leaving[one]) - leaving[one].index(to)) for one in ones}
+        axes.plot((x, x), (head, max(touch.values())), **line)
+        arrow = {"arrowstyle": "-|>", "color": colour, "lw": 1.3, "shrinkA": 0, "shrinkB": 0}
+        axes.annotate("", xy=(wide, head), xytext=(x, head), arrowprops=arrow)
+        for y in touch.values():
+            axes.plot((wide, x), (y, y), **line)
+            axes.plot(x, y, "o", color=colour, ms=3.2)
+    edge_from = names.index(EDGE)
+    for k, (name, what, section) in enumerate(rooms):
+        top, height = rows[name]
+        face = "#e6eff8" if k < edge_from else "#fcebd9"
+        axes.add_patch(plt.Rectangle((0, top), wide, height, facecolor=face, edgecolor="0.45", lw=0.8, zorder=3))
+        axes.text(0.12, top + 0.22, name, va="center", fontsize=11, fontweight="bold", zorder=4)
+        if section:
+            axes.text(wide - 0.12, top + 0.22, f"paper {section}", ha="right", va="center", fontsize=8.5, color="0.3", zorder=4)
+        axes.text(1.8, top + 0.22, what, va="center", fontsize=9.5, zorder=4)
+        for number, part in enumerate(text[name].splitlines()):
+            axes.text(1.8, top + 0.45 + 0.15 * number, part, va="center", fontsize=8, color="0.3", zorder=4)
+    figure.savefig(path, metadata={"Date": None})
+    plt.close(figure)
 
 
 if __name__ == "__main__":

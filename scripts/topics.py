@@ -1,4 +1,4 @@
-"""Writes the table of topics in docs/architecture.md from `evodevo_sim.ros.topics`.
+"""Writes the table of topics in docs/reference/messages.md from `evodevo_sim.ros.topics`.
 
     python scripts/topics.py
 """
@@ -11,7 +11,7 @@ from pathlib import Path
 from evodevo_sim.recording.definitions import type_name
 from evodevo_sim.ros.topics import TOPICS
 
-PAGE = Path(__file__).resolve().parents[1] / "docs" / "architecture.md"
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "reference" / "messages.md"
 _PLACE = re.compile(r"(?<=<!-- topics -->\n).*?(?=<!-- end of topics -->)", re.DOTALL)
 
 

@@ -1,4 +1,4 @@
-"""The laws of model.md section 4 once more, in plain NumPy, for bodies whose faces and outline are known: a second opinion."""
+"""The laws of docs/reference/model.md once more, in plain NumPy, for bodies whose faces and outline are known: a second opinion."""
 
 import numpy as np
 from scipy.integrate import solve_ivp

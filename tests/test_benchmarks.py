@@ -103,7 +103,7 @@ def test_figures_go_between_the_marks_of_the_page_and_nowhere_else():
     from page import DOCS, MARKS, fill
     from run import PARTS
 
-    page = (DOCS / "benchmarks.md").read_text(encoding="utf-8")
+    page = (DOCS / "results" / "benchmarks.md").read_text(encoding="utf-8")
     assert len(MARKS.findall(page)) == len(PARTS) + 1  # and the aims
     names = ("part", "what", "measured", "asked", "met")
     rows = [dict(zip(names, row)) for row in (("cost", "a", "1", "<= 2", "True"), ("cost", "b", "2", "", ""))]

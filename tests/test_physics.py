@@ -1,4 +1,4 @@
-"""Forces, integration and stability of the frozen body, each against its law (docs/model.md, section 4)."""
+"""Forces, integration and stability of the frozen body, each against its law (docs/reference/model.md)."""
 
 import numpy as np
 import pytest

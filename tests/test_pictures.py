@@ -175,6 +175,6 @@ def test_the_view_of_activation_shows_some_beats_at_a_time(whole):
 
 def test_whatever_we_recommend_for_rerun_files_keeps_to_this_host():
     """In code, help and documents: a line that a user types."""
-    sources = [*(ROOT / "src").rglob("*.py"), *(ROOT / "docs").glob("*.md"), ROOT / "README.md", *(ROOT / "benchmarks").glob("*.py")]
+    sources = [*(ROOT / "src").rglob("*.py"), *(ROOT / "docs").rglob("*.md"), ROOT / "README.md", *(ROOT / "benchmarks").glob("*.py")]
     found = [line for path in sources for line in re.findall(r"\brerun (?:--[^\n`]*)?\S*\.rrd", path.read_text())]
     assert found and all("--bind 127.0.0.1" in line for line in found), found

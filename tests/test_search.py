@@ -46,7 +46,7 @@ DIGESTS = {  # of seeds 1 and 2^63 - 1
     "seekers in niches": ["a3a453090a94074a", "569f0360d738434d"],
 }
 
-PAGE = Path(__file__).parent.parent / "docs" / "search.md"
+PAGE = Path(__file__).parent.parent / "docs" / "guide" / "search.md"
 
 
 def evolution_of(case, seed):

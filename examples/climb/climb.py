@@ -1,4 +1,4 @@
-"""A task of your own: climb steps.  Fitness is the height that the centre of mass gains.  docs/tasks.md tells what each part is for.
+"""A task of your own: climb steps.  Fitness is the height that the centre of mass gains.  docs/guide/task.md tells what each part is for.
 
     PYTHONPATH=examples/climb EVODEVO_TASKS=climb ros2 run evodevo_ga evolve --task climb --generations 20
     python examples/climb/climb.py          # the same question to two walkers, without ROS

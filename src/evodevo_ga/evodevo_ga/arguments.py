@@ -30,11 +30,11 @@ examples:
   ros2 run evodevo_ga evolve --scheme panmictic
       one population in which all compete, instead of niches of body shapes
   ros2 run evodevo_ga evolve --task walk --world rough
-      a walker on uneven ground (docs/walking.md tells the worlds)
+      a walker on uneven ground (docs/guide/walk.md tells the worlds)
   ros2 run evodevo_ga evolve --scheme paper --set task.fitness=distance
-      the paper's search, until 500 generations bring nothing, for its plain distance (docs/model.md tells what earns that)
+      the paper's search, until 500 generations bring nothing, for its plain distance (docs/reference/swimming.md tells what earns that)
   ros2 run evodevo_ga evolve --set scene.drag_normal=10 --set scene.drag_tangential=0.05
-      any number of the model can be set so (docs/model.md lists them)
+      any number of the model can be set so (docs/reference/parameters.md lists them)
 
   ros2 run evodevo_ga evolve --task chemotaxis --start bags/long
       begins from swimmers: half of the first population is the champion of a run and its mutants

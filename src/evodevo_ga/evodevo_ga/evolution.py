@@ -5,7 +5,7 @@
         generation = evolution.tell([evaluate(genome, task, seed) for genome in evolution.ask()])
 
 Who breeds and who stays is up to a `Search`: one population (`panmictic`), in layers of age (`layers`), in niches of body shapes
-(`niches`), or one of your own (docs/search.md).
+(`niches`), or one of your own (docs/guide/search.md).
 """
 
 from __future__ import annotations

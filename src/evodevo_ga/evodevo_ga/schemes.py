@@ -83,7 +83,10 @@ _ROOM = 10  # individuals of a niche, at the least, of which something can evolv
 
 
 def default_scheme(task: str, settings: dict[str, float] | None = None) -> str:
-    """The scheme of a search that names none: what suits the task, niches only where its other settings leave them room (docs/model.md)."""
+    """The scheme of a search that names none: what suits the task, niches only where its other settings leave them room.
+
+    docs/reference/search.md tells what each scheme is.
+    """
     suits = known_kind(task).scheme
     if suits != "niches":
         return suits

@@ -1,4 +1,4 @@
-"""What a search is: who breeds, and who stays (docs/search.md).  `Evolution` does the rest: it asks, tells, counts and ends a run."""
+"""What a search is: who breeds, and who stays (docs/guide/search.md).  `Evolution` does the rest: it asks, tells, counts and ends a run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Worlds to walk in: presets by name, and files of your own (docs/walking.md).
+"""Worlds to walk in: presets by name, and files of your own (docs/guide/walk.md).
 
     ground: [[-50, 0], [4, 0], [4.1, 0.5], [50, 0.5]]     # [x, y] m, x ascending; level beyond both ends
     ceiling: [[-50, 100], [8, 100], [8.1, 3], [50, 3]]    # likewise; none: open sky

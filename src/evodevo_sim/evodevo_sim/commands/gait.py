@@ -24,7 +24,7 @@ examples:
       a motion that simulate recorded; of another's recording of a walk, add --walk
 
 Swimmers are classed as protrusions, undulation, jellyfish or peristalsis; walkers as jump, run or mass shift; both, where no rule
-fits, as unclear or still. docs/gaits.md tells the rules. All numbers are of the second half of the motion.
+fits, as unclear or still. docs/reference/gaits.md tells the rules. All numbers are of the second half of the motion.
 """
 
 

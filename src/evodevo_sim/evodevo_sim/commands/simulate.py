@@ -32,7 +32,7 @@ scenes:
   free   no ground, and of the other terms those alone that the file's scene names
 
 The NPZ file holds time (T,), position (T, N, 2) and velocity (T, N, 2), float64. The recording holds about 60 frames a second.
-Exit code: 0; 1 where the physics failed, and what came before is kept; 2 for bad input. docs/simulate.md tells the file's keys.
+Exit code: 0; 1 where the physics failed, and what came before is kept; 2 for bad input. docs/guide/body.md tells the file's keys.
 """
 
 
@@ -40,7 +40,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = Parser("simulate", "Simulate a soft body of your own.", _EPILOG)
     parser.add_argument("body", metavar="BODY", help="a body file, YAML or JSON")
     parser.add_argument("--scene", default="swim", metavar="NAME", help="swim, walk, free (default %(default)s)")
-    worlds = "walk: flat, slope, steps, rough, obstacles, gap, or a file (docs/walking.md; default flat)"
+    worlds = "walk: flat, slope, steps, rough, obstacles, gap, or a file (docs/guide/walk.md; default flat)"
     parser.add_argument("--world", metavar="NAME|FILE", help=worlds)
     parser.add_argument("--duration", required=True, type=real_number, metavar="S", help="simulated seconds")
     parser.add_argument("--dt", type=real_number, metavar="S", help="seconds of a step, exactly")

@@ -1,1 +1,1 @@
-"""Bodies of your own, from files (docs/simulate.md)."""
+"""Bodies of your own, from files (docs/guide/body.md)."""

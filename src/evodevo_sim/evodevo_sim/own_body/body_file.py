@@ -1,4 +1,4 @@
-"""Bodies of your own: a YAML or JSON file (docs/simulate.md), laws as for every other body.
+"""Bodies of your own: a YAML or JSON file (docs/guide/body.md), laws as for every other body.
 
     position: [[0, 0], [1, 0], [0.5, 0.9]]      # (N, 2) m
     springs: [[0, 1], [1, 2], [0, 2]]           # or gabriel

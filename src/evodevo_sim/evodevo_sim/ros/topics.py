@@ -5,7 +5,7 @@ Nodes, writer, reader and documentation take names, types and qualities of servi
     node.create_publisher(BODY.type, BODY.name, BODY.quality)
     recorder.write(BODY.name, message, stamp)
 
-`python scripts/topics.py` writes the table of docs/architecture.md anew.
+`python scripts/topics.py` writes the table of docs/reference/messages.md anew.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Gaits: what a body does, in numbers and by name (docs/gaits.md).  Arrays in, results out; no ROS but in the command.
+"""Gaits: what a body does, in numbers and by name (docs/reference/gaits.md).  Arrays in, results out; no ROS but in the command.
 
     from evodevo_sim.analysis.gait import analyse, track_of_performance
     analysis = analyse(track_of_performance(perform(genome, task), task))

@@ -1,4 +1,4 @@
-"""What makes a gait: the rules, with every threshold (docs/gaits.md tells why)."""
+"""What makes a gait: the rules, with every threshold (docs/reference/gaits.md tells why)."""
 
 from __future__ import annotations
 

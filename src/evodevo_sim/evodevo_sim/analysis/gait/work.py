@@ -1,4 +1,4 @@
-"""The ledger of a motion that was recorded: J by muscles, drag, damping and ground, from its frames (docs/gaits.md).
+"""The ledger of a motion that was recorded: J by muscles, drag, damping and ground, from its frames (docs/reference/gaits.md).
 
 `energy` keeps the same ledger while a motion is being computed; this one needs nothing but what was recorded.
 """

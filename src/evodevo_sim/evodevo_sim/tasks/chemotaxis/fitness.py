@@ -1,4 +1,4 @@
-"""Chemotaxis around its kernel: where targets stand, and what pays.  docs/chemotaxis.md tells why."""
+"""Chemotaxis around its kernel: where targets stand, and what pays.  docs/reference/chemotaxis.md tells why."""
 
 from __future__ import annotations
 

@@ -75,7 +75,7 @@ def score(result: Any, task: Task) -> Evaluation:
     if failed:
         stiff = status == Status.UNSTABLE and result.failed_step < 0
         return failure(status, metrics, result.failed_step, STIFF if stiff else "")
-    if task.fitness == "distance":  # the paper's, whatever carries the body: docs/model.md tells what earns it
+    if task.fitness == "distance":  # the paper's, whatever carries the body: docs/reference/swimming.md tells what earns it
         return Evaluation(metrics.distance, status, "", metrics)
     # Motion counts only as far as muscles move it, to the end: creeping and coasting with a network at rest earn nothing.
     fitness = result.active * (task.windows * metrics.slowest_window + task.activity_bonus)
