@@ -20,6 +20,7 @@ ROOMS = (
     ("inputs", "numbers and errors of what people give", ""),
     ("text_file", "YAML and JSON with limits", ""),
     ("whole_file", "files written whole or not at all", ""),
+    ("extras", "what an extra brings", ""),
     ("kernels", "how compiled code is made", ""),
     ("profiles", "heights of ground and ceiling", ""),
     ("task_kinds", "table of tasks", "4"),
