@@ -19,11 +19,9 @@ from evodevo_sim.ros.loopback import loopback_alone
 from evodevo_sim.ros.messages import genome_message, target_message, task_message
 from evodevo_sim.ros.own_simulators import OwnSimulators
 from evodevo_sim.ros.process import stay_on_this_host
-from geometry_msgs.msg import PoseStamped
+from evodevo_sim.ros.topics import CELL_STATES, TARGET_POSE
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.qos import qos_profile_sensor_data
 
-from evodevo_msgs.msg import CellStates
 from evodevo_msgs.srv import Load
 from evodevo_sim import random_genome
 
@@ -56,10 +54,10 @@ def main():
     rng = np.random.default_rng(1)
     with OwnSimulators(1, owner="live", task="chemotaxis") as own:
         namespace = own.namespaces[0]
-        publisher = node.create_publisher(PoseStamped, f"{namespace}/target_pose", 1)
+        publisher = node.create_publisher(TARGET_POSE.type, TARGET_POSE.at(namespace), TARGET_POSE.quality)
         loader = node.create_client(Load, f"{namespace}/load")
         heard = []
-        node.create_subscription(CellStates, f"{namespace}/cell_states", lambda _: heard.append(time.monotonic()), qos_profile_sensor_data)
+        node.create_subscription(CELL_STATES.type, CELL_STATES.at(namespace), lambda _: heard.append(time.monotonic()), CELL_STATES.quality)
         while not (loader.service_is_ready() and publisher.get_subscription_count()):
             executor.spin_once(timeout_sec=0.1)
         answer = loader.call_async(Load.Request(task=task_message(task), seed=1, genome=genome_message(genome), real_time_factor=1.0))

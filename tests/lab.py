@@ -14,7 +14,7 @@ def simulators(*namespaces, arguments=()):
     """Simulator processes in these namespaces, ended at the end."""
     processes = [
         subprocess.Popen(
-            [sys.executable, "-m", "evodevo_sim.nodes.simulator", "--ros-args", "-r", f"__ns:={namespace}", *arguments],
+            [sys.executable, "-m", "evodevo_sim.commands.simulator", "--ros-args", "-r", f"__ns:={namespace}", *arguments],
             stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
         )
         for namespace in namespaces

@@ -99,7 +99,7 @@ def test_the_command_audits_a_file_and_a_recording(genome, tmp_path, capsys):
     task = with_settings(Task(), SHORT)
     with Recorder(tmp_path / "run") as recorder:
         now = time.time_ns()
-        recorder.write("evolution/settings", evolution_message(Settings(), task, 1), now, latched=True)
+        recorder.write("evolution/settings", evolution_message(Settings(), task, 1), now)
         recorder.write("evolution/champion", champion_message(0, Individual(genome, evaluate(genome, task)), 0.0), now)
     assert main([str(tmp_path / "run")]) == 0
     assert "The fitness stands." in capsys.readouterr().out

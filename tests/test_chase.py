@@ -26,7 +26,7 @@ def genome(tmp_path_factory):
 
 def start(*arguments):
     environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
-    command = [sys.executable, "-m", "evodevo_sim.nodes.chase", *map(str, arguments)]
+    command = [sys.executable, "-m", "evodevo_sim.commands.chase", *map(str, arguments)]
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment)
 
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from evodevo_sim.brain.life import develop
 from evodevo_sim.development.gabriel import gabriel_graph
 from evodevo_sim.genetics.genome import MORPHOGEN, OUTPUTS
 from evodevo_sim.genetics.regulation import activation
+from evodevo_sim.tasks.life import develop
 from evodevo_sim.tasks.swim.fitness import kernel_arguments
 from genomes import FAR, dividing, first_viable, hand_made, unit
 from hypothesis import given, settings
@@ -105,9 +105,9 @@ def test_a_newborns_morphogen_reaches_others_after_its_delay():
     born = int(np.isfinite(growth[:, 1, 0]).argmax())
     heard = []
     for steps in range(1, 60):
-        arguments = kernel_arguments(genome, Task(development=Development(**shape, steps=steps)))
+        genes, model = kernel_arguments(genome, Task(development=Development(**shape, steps=steps)))
         none = np.empty((0, 0, 0)), np.empty((0, 0)), np.empty((0, 0, 0), np.int64)
-        _, units, embryo = develop(arguments[0], arguments[2], arguments[3], arguments[6], *none)
+        _, units, embryo = develop(genes, model, *none)
         t = steps - 1  # when the last step began
         if t < born:
             continue

@@ -7,6 +7,7 @@ import sys
 import time
 
 import pytest
+import yaml
 from evodevo_ga.arguments import parse
 from evodevo_ga.fleet import BATCH, batches, find_simulators
 from evodevo_ga.in_process import evaluate_all
@@ -25,10 +26,10 @@ SMALL = ["--generations", "4", "--population", "14", "--cells", "8", "--seed", "
 TASK = with_settings(Task(), {"development.max_cells": 8, "control_steps": 80})
 
 
-def start(*arguments, out, **popen):
+def start(*arguments, out, output=subprocess.PIPE, **popen):
     command = [sys.executable, "-m", "evodevo_ga.evolve", *SMALL, *arguments, "--out", str(out)]
     environment = {k: v for k, v in os.environ.items() if k != "ROS_AUTOMATIC_DISCOVERY_RANGE"}
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment, **popen)
+    return subprocess.Popen(command, stdout=output, stderr=subprocess.PIPE, text=True, env=environment, **popen)
 
 
 def run(*arguments, out):
@@ -58,7 +59,7 @@ def test_a_run_through_nodes_is_the_run_in_process_bit_for_bit(tmp_path, in_proc
     assert [s.best for s in recording.statistics] == [g.best for g in history]
     assert [s.median for s in recording.statistics] == [g.median for g in history]
     assert [s.diversity for s in recording.statistics] == [g.diversity for g in history]
-    assert recording.settings.seed == 3 and recording.settings.task.development.max_cells == 8
+    assert recording.settings.seed == 3 and recording.settings.scheme == "panmictic" and recording.settings.task.development.max_cells == 8
     grown = [champion for champion in recording.champions if not champion.evaluation.cause]
     assert [(a.generation, a.fitness) for a in recording.audits] == [(c.generation, c.evaluation.fitness) for c in grown] != []
     assert "audit: the fitness stands" in (tmp_path / "run/champion.yaml").read_text() and "the fitness stands" in stdout
@@ -72,7 +73,7 @@ def test_a_layered_run_through_nodes_is_recorded_with_its_settings(tmp_path):
     code, _, stderr = run("--scheme", "alps", "--layers", "2", "--age-gap", "2", "--simulators", "1", out=tmp_path / "run")
     assert code == 0, stderr
     recording = read_recording(tmp_path / "run")
-    assert (recording.settings.layers, recording.settings.age_gap) == (2, 2)
+    assert (recording.settings.scheme, recording.settings.layers, recording.settings.age_gap) == ("alps", 2, 2)
     assert [(s.best, s.diversity) for s in recording.statistics] == [(g.best, g.diversity) for g in history]
     assert load_genome(tmp_path / "run/champion.yaml") == evolution.champion.genome
 
@@ -211,6 +212,36 @@ def test_an_interrupted_run_keeps_what_was_done_and_ends_its_simulators(tmp_path
     best = load_genome(tmp_path / "run/champion.yaml")
     assert evaluate(best, TASK, 3).fitness == recording.statistics[-1].best
     assert not own_simulators(process.pid)
+
+
+def test_a_closed_terminal_ends_a_run_in_good_order_though_it_says_so_twice_and_nobody_reads(tmp_path):
+    reader, writer = os.pipe()
+    process = start("--generations", "100000", "--simulators", "1", out=tmp_path / "a run", output=writer)
+    os.close(reader)
+    os.close(writer)
+    wait_for(tmp_path / "a run/champion.yaml", process)
+    process.send_signal(signal.SIGHUP)
+    process.send_signal(signal.SIGHUP)
+    _, stderr = process.communicate(timeout=DEADLINE)
+    assert process.returncode == 130 and "Error" not in stderr
+    recording = read_recording(tmp_path / "a run")
+    assert recording.champions and recording.body.cells and recording.gait and (tmp_path / "a run/metadata.yaml").exists()
+    assert not own_simulators(process.pid)
+
+
+def test_a_second_ctrl_c_ends_at_once_and_the_recording_is_whole(tmp_path):
+    process = start("--generations", "100000", "--simulators", "1", out=tmp_path / "run")
+    wait_for(tmp_path / "run/champion.yaml", process)
+    os.kill(process.pid, signal.SIGSTOP)  # so that both are there before the first is heeded
+    process.send_signal(signal.SIGINT)
+    process.send_signal(signal.SIGTERM)
+    os.kill(process.pid, signal.SIGCONT)
+    stdout, stderr = process.communicate(timeout=DEADLINE)
+    assert process.returncode == 130 and "Traceback" not in stderr and "Champion" not in stdout
+    recording = read_recording(tmp_path / "run")
+    assert recording.champions and recording.body is None and not recording.truncated
+    assert yaml.safe_load((tmp_path / "run/metadata.yaml").read_text())["rosbag2_bagfile_information"]["message_count"] > 1
+    assert [file.suffix for file in (tmp_path / "run").iterdir() if file.name.startswith(".")] == []
 
 
 def select_stderr(process):

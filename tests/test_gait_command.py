@@ -35,10 +35,10 @@ def run(tmp_path_factory):
     life, now = perform(genome, TASK), time.time_ns()
     for name in ("run", "old"):
         with Recorder(directory / name) as recorder:
-            recorder.write("evolution/settings", evolution_message(Settings(), TASK, 1), now, latched=True)
+            recorder.write("evolution/settings", evolution_message(Settings(), TASK, 1), now)
             record_performance(recorder, life, now)
             if name == "run":
-                recorder.write("gait", gait_message(analyse(track_of_performance(life, TASK)).gait), now, latched=True)
+                recorder.write("gait", gait_message(analyse(track_of_performance(life, TASK)).gait), now)
     return directory
 
 
@@ -116,7 +116,7 @@ def test_a_run_without_a_life_and_one_that_was_cut(run, tmp_path, capsys):
     from evodevo_ga.messages import evolution_message
 
     with Recorder(tmp_path / "short") as recorder:
-        recorder.write("evolution/settings", evolution_message(Settings(), TASK, 1), 1, latched=True)
+        recorder.write("evolution/settings", evolution_message(Settings(), TASK, 1), 1)
     assert "holds no motion of a body" in refused([tmp_path / "short"], capsys)
     whole = next((run / "run").glob("*.mcap")).read_bytes()
     (tmp_path / "cut.mcap").write_bytes(whole[: len(whole) * 9 // 10])

@@ -13,7 +13,7 @@ from evodevo_sim import evaluate
 KEPT = json.loads(Path(__file__).with_name("kept.json").read_text())
 
 
-@pytest.mark.parametrize("case", cases(), ids=lambda case: case[0])
+@pytest.mark.parametrize("case", list(cases()), ids=lambda case: case[0])
 def test_bits_are_those_that_were_kept(case):
     name, genome, task, seed = case
     assert bits(evaluate(genome, task, seed)) == KEPT[name]

@@ -67,7 +67,7 @@ def test_statuses_have_the_numbers_of_the_message():
     [
         (Task, msg.Task, set()), (Development, msg.Development, set()), (Material, msg.Material, set()), (Scene, msg.Scene, set()),
         (Noise, msg.Noise, set()), (Chemotaxis, msg.Chemotaxis, set()), (Steering, msg.Steering, set()),
-        (Metrics, msg.Metrics, set()), (Settings, msg.Evolution, {"version", "task", "seed", "start"}),
+        (Metrics, msg.Metrics, set()), (Settings, msg.Evolution, {"version", "task", "seed", "start", "scheme"}),
         (Generation, msg.GenerationStatistics, {"stamp", "evaluations_per_second"}),
     ],
 )

@@ -26,7 +26,7 @@ from evodevo_msgs.msg import Audit, CellStates
 
 BAGS = Path(__file__).parents[1] / "bags"
 SAMPLES = ["sample-swim", "sample-walk", "sample-chemotaxis"]
-KEPT = ("settings", "statistics", "champions", "audits", "growth", "growth_bodies", "body", "states", "targets", "gait", "scene")
+KEPT = ("settings", "statistics", "champions", "audits", "growth", "growth_bodies", "body", "states", "actuation", "targets", "gait", "scene")
 QUICK = settings(max_examples=25, deadline=None)
 
 
@@ -261,6 +261,86 @@ def test_an_older_audit_is_known_by_its_hash_whatever_its_schema_says(tmp_path):
     assert repr(found.audits) == repr(whole.audits) and not found.notes
 
 
+# --- from before a change, and from after the next one -------------------------------------------------------------------
+
+
+def test_a_recording_from_before_schemes_and_actuation_opens_without_a_word(sample, tmp_path, capsys):
+    recording, rows = sample
+    assert not any("string scheme" in row.schema or row.topic == "/actuation" for row in rows)  # or this sample tells nothing of it
+    assert not recording.notes and recording.settings.scheme == "" and recording.actuation == []
+    assert "| scheme | not recorded |" in markdown(recording, life_of(recording))
+    assert replayed(recording.path, tmp_path, capsys) == (0, "")
+
+
+MOOD = rewriting.Row(
+    "/mood", "evodevo_msgs/msg/Mood", "std_msgs/Header header\nMuscle[] muscles\n" + "=" * 80
+    + "\nMSG: evodevo_msgs/Muscle\nfloat32 effort\n" + "=" * 80
+    + "\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n" + "=" * 80
+    + "\nMSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n", "", 5, b"\0\1\0\0" + bytes(20),
+)
+
+
+def test_a_recording_from_after_a_change_opens_and_the_rest_is_shown(sample, tmp_path, capsys):
+    """Fields at the end of two messages, a topic of a type that is not ours yet, and a type of ours on a topic that is not."""
+    recording, rows = sample
+    later = [MOOD, rows[0]._replace(topic="/evolution/plans"), rewriting.STRING._replace(topic="/plain", time=7)]
+    for row in rows:
+        name = row.type.rpartition("/")[2]
+        if name in ("Evolution", "Body"):  # of Body the last field is an array that may be empty: alignment of what follows it counts
+            first, *parts = re.split(r"(?m)^(?==+$)", row.schema)
+            schema = "".join([first.rstrip("\n") + f"\nuint8 {name.lower()}_mood\nGenome[] ancestors\n", *parts])
+            if "MSG: evodevo_msgs/Genome" not in schema:
+                schema += "=" * 80 + "\nMSG: evodevo_msgs/Genome\nuint8[] kind\nint8[] sign\nfloat64[] x\nfloat64[] y\n"
+            row = row._replace(schema=schema, data=row.data + b"\7" + bytes(-(len(row.data) + 1 - 4) % 4 + 4), hash="RIHS01_" + "7" * 64)
+        later.append(row)
+    found = read_recording(rewriting.write(tmp_path / "a.mcap", later, hashes=True))
+    assert same(found, recording)
+    [note] = found.notes
+    for name in ("Evolution.evolution_mood", "Evolution.ancestors", "Body.body_mood", "Body.ancestors"):
+        assert f"{name} is ignored" in note
+    code, err = replayed(tmp_path / "a.mcap", tmp_path, capsys)
+    assert code == 0 and err.count("\n") == 1
+
+
+def test_what_is_recorded_now_opens_for_readers_that_know_less(tmp_path, monkeypatch):
+    """A reader of before: its table lacks `actuation`, its Evolution the scheme.  Independent readers read all of it."""
+    from evodevo_ga.messages import evolution_message
+    from evodevo_ga.settings import Settings
+    from evodevo_sim.recording import decoding, reader
+    from evodevo_sim.ros import topics
+    from evodevo_sim.ros.messages import actuation_message
+    from rosbags.highlevel import AnyReader
+
+    from evodevo_sim import Task
+
+    run = evolution_message(Settings(), Task(), 7, scheme="niches")
+    acts = [actuation_message(np.array([0.5, -1.0, 0.25]), k, k / 60) for k in range(1, 4)]
+    with Recorder(tmp_path / "run") as recorder:
+        recorder.write(topics.SETTINGS.name, run, 1)
+        for topic, message, stamp in states():
+            recorder.write(topic, message, stamp)
+        for k, message in enumerate(acts):
+            recorder.write(topics.ACTUATION.name, message, 10 + k)
+    found = read_recording(tmp_path / "run")
+    assert found.settings == run and found.actuation == acts and not found.notes
+    assert "| scheme | niches |" in markdown(found, life_of(found))
+    with AnyReader([tmp_path / "run"]) as foreign:
+        read = [foreign.deserialize(raw, c.msgtype) for c, _, raw in foreign.messages() if c.topic == "/actuation"]
+        assert [(m.step, m.activation.tolist()) for m in read] == [(m.step, m.activation.tolist()) for m in acts]
+        assert [foreign.deserialize(raw, c.msgtype).scheme for c, _, raw in foreign.messages() if c.msgtype.endswith("Evolution")] == ["niches"]
+    known = [topic for topic in topics.TOPICS if topic is not topics.ACTUATION]
+    monkeypatch.setattr(topics, "TOPICS", known)
+    ours = decoding.definition
+    monkeypatch.setattr(decoding, "definition", lambda name: re.sub(r"(?m)^string scheme.*\n", "", ours(name)))
+    decoding._by_schema.cache_clear()
+    try:
+        before = reader.read_recording(tmp_path / "run")
+    finally:
+        decoding._by_schema.cache_clear()
+    assert before.states == found.states and before.body == found.body and before.settings.population == run.population
+    assert before.actuation == [] and "Evolution.scheme is ignored" in before.notes[0] and len(before.notes) == 1
+
+
 # --- what cannot be read -------------------------------------------------------------------------------------------------
 
 
@@ -335,7 +415,7 @@ def test_a_walk_is_one_by_its_scene_and_stands_on_the_ground_in_it(tmp_path):
 
     scene = Scene(0.0, 0.0, 9.81, 0.6, (-5.0, 0.0, 5.0), (0.0, 0.5, 0.0))
     with Recorder(tmp_path / "walk") as recorder:
-        recorder.write("scene", scene_message(scene), 1, latched=True)
+        recorder.write("scene", scene_message(scene), 1)
         for topic, message, stamp in states():
             recorder.write(topic, message, stamp)
     recording = read_recording(tmp_path / "walk")

@@ -34,7 +34,7 @@ def written(tmp_path_factory):
     """(topic, message, stamp) of every message of a run and a life, in order."""
 
     class Sink(list):
-        def write(self, topic, message, stamp, latched=False):
+        def write(self, topic, message, stamp):
             self.append(("/" + topic, message, stamp))
 
     sink = Sink()
@@ -137,7 +137,7 @@ def test_metadata_is_what_rosbag2_asks_for(run, written):
     for topic in about["topics_with_message_count"]:
         assert topic["topic_metadata"]["type_description_hash"].startswith("RIHS01_")
         [quality] = topic["topic_metadata"]["offered_qos_profiles"]
-        assert (quality["durability"] == "transient_local") == topic["topic_metadata"]["name"].endswith("body")
+        assert (quality["durability"] == "transient_local") == topic["topic_metadata"]["name"].endswith(("body", "settings"))
 
 
 # --- places --------------------------------------------------------------------------------------------------------------

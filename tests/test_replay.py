@@ -291,14 +291,15 @@ def test_help_teaches(capsys):
         assert word in out
 
 
-def test_ctrl_c_ends_the_viewer_and_leaves_nothing(bags, tmp_path):
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_the_viewer_and_leaves_nothing(bags, tmp_path, number):
     """The real command line, with a stand-in for the viewer that runs until it is ended."""
     stand_in = "import sys; print('shown', sys.argv[-1], flush=True); import signal; signal.pause()"
     code = (
-        "import subprocess, sys; from evodevo_sim.view import cli; real = subprocess.Popen\n"
+        "import subprocess, sys; from evodevo_sim.commands.entry import replay; real = subprocess.Popen\n"
         f"subprocess.Popen = lambda command, env: real([sys.executable, '-c', {stand_in!r}, command[-1]], env=env)\n"
         "subprocess.run = lambda *_, **__: None\n"
-        "sys.exit(cli.main([sys.argv[1]]))"
+        "sys.exit(replay())"
     )
     environment = os.environ | {"DISPLAY": ":99", "TMPDIR": str(tmp_path)}
     command, pipe = [sys.executable, "-c", code, str(bags / "life")], subprocess.PIPE
@@ -306,12 +307,12 @@ def test_ctrl_c_ends_the_viewer_and_leaves_nothing(bags, tmp_path):
     try:
         shown = process.stdout.readline()
         assert shown.startswith("shown") and os.path.exists(shown.split()[1]), shown
-        process.send_signal(signal.SIGINT)
+        process.send_signal(number)
         out, err = process.communicate(timeout=DEADLINE)  # ends when the viewer, too, has closed its output
     finally:
         process.kill()
         process.wait()
-    assert process.returncode == 130 and "Traceback" not in err
+    assert process.returncode == 128 + number and err == ""
     assert list(tmp_path.iterdir()) == []
 
 

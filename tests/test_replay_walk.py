@@ -28,7 +28,7 @@ def bag(request, tmp_path_factory):
     path = tmp_path_factory.mktemp("walk") / request.param
     with Recorder(path) as recorder:
         now = time.time_ns()
-        recorder.write("evolution/settings", evolution_message(Settings(), task, 1), now, latched=True)
+        recorder.write("evolution/settings", evolution_message(Settings(), task, 1), now)
         record_performance(recorder, perform(beating(), task, 1), now)
     return path
 

@@ -51,7 +51,7 @@ PAGE = Path(__file__).parent.parent / "docs" / "search.md"
 
 def evolution_of(case, seed):
     numbers, name, task, start = CASES[case]
-    return Evolution(Settings(**SMALL | scheme(name, task) | numbers), seed, start)
+    return Evolution(Settings(**SMALL | scheme(name, task) | numbers | {"generations": SMALL["generations"]}), seed, start)
 
 
 @pytest.mark.parametrize("case", CASES)

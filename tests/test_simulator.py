@@ -12,10 +12,11 @@ import rclpy
 import yaml
 from evodevo_sim.commands.request import main as request_main
 from evodevo_sim.live.animat import Animat
-from evodevo_sim.nodes.simulator import LATCHED, _seconds
+from evodevo_sim.nodes.simulator import _seconds
 from evodevo_sim.parameters import default_task, with_settings
 from evodevo_sim.ros.messages import evaluation_from_message, genome_message, task_message
 from evodevo_sim.ros.process import stay_on_this_host
+from evodevo_sim.ros.topics import BODY
 from genomes import beating, dividing, first_viable, hand_made
 from geometry_msgs.msg import PoseStamped
 from lab import DEADLINE, Operator, simulators
@@ -177,7 +178,7 @@ def test_a_live_animat_is_the_performance_step_by_step(lab):
 def test_the_body_is_latched_for_who_comes_late(lab):
     genome = first_viable(1)[0]
     assert load(lab, genome, factor=0.01).success
-    bodies = lab.listen(Body, f"{NAMESPACE}/body", LATCHED)
+    bodies = lab.listen(Body, f"{NAMESPACE}/body", BODY.quality)
     lab.until(lambda: bodies)
     body = perform(genome, TASK, 1).body
     assert bodies[-1].cells == len(body.position) and np.array_equal(bodies[-1].rest_length, body.rest_length)
@@ -312,7 +313,7 @@ def test_nodes_stay_on_this_host_unless_told_otherwise(monkeypatch):
     ],
 )
 def test_bad_arguments_get_one_line_and_exit_code_2(arguments, says):
-    command = [sys.executable, "-m", "evodevo_sim.nodes.simulator", *arguments]
+    command = [sys.executable, "-m", "evodevo_sim.commands.simulator", *arguments]
     result = subprocess.run(command, capture_output=True, text=True, timeout=DEADLINE)
     assert result.returncode == 2 and says in result.stderr, result.stderr
     assert [line.partition(":")[0] for line in result.stderr.splitlines() if not line.startswith("[WARN]")] == ["simulator"]

@@ -28,7 +28,7 @@ setup(
     license="MIT",
     entry_points={
         "console_scripts": [
-            "evolve = evodevo_ga.evolve:main",
+            "evolve = evodevo_ga.commands:evolve",
         ],
     },
 )

@@ -34,14 +34,14 @@ setup(
     license="MIT",
     entry_points={
         "console_scripts": [
-            "simulator = evodevo_sim.nodes.simulator:main",
-            "audit = evodevo_sim.commands.audit:main",
-            "simulate = evodevo_sim.commands.simulate:main",
-            "gait = evodevo_sim.commands.gait:main",
-            "replay = evodevo_sim.commands.replay:main",
-            "chase = evodevo_sim.nodes.chase:main",
-            "request = evodevo_sim.commands.request:main",
-            "turning = evodevo_sim.commands.turning:main",
+            "simulator = evodevo_sim.commands.entry:simulator",
+            "audit = evodevo_sim.commands.entry:audit",
+            "simulate = evodevo_sim.commands.entry:simulate",
+            "gait = evodevo_sim.commands.entry:gait",
+            "replay = evodevo_sim.commands.entry:replay",
+            "chase = evodevo_sim.commands.entry:chase",
+            "request = evodevo_sim.commands.entry:request",
+            "turning = evodevo_sim.commands.entry:turning",
         ],
     },
 )

@@ -6,19 +6,18 @@ import dataclasses
 import os
 from datetime import datetime
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from evodevo_sim.parameters import PRESETS, default_task, known_kind, preset, with_settings
+from evodevo_sim.parameters import PRESETS, ParameterError, Task, default_task, known_kind, preset, with_settings
 from evodevo_sim.ros.command_line import Parser, pairs, real_number, whole_number
-from evodevo_sim.ros.process import without_ros
+from evodevo_sim.ros.environment import without_ros
 from evodevo_sim.task_kinds import names
-from evodevo_sim.worlds import PRESETS as WORLDS
-from evodevo_sim.worlds import with_world
 
-from evodevo_sim import Genome, GenomeError, ParameterError, Task, load_genome
-
-from .feasible import check
 from .schemes import SCHEMES, default_scheme, scheme, search_of
 from .settings import UNLIMITED, Settings
+
+if TYPE_CHECKING:
+    from evodevo_sim.genetics.genome import Genome
 
 _EPILOG = """\
 examples:
@@ -46,7 +45,10 @@ When there are none, or with --simulators N, evolve starts its own, one per core
 
 The run's directory holds a rosbag2 recording in MCAP and champion.yaml. See it by
   ros2 run evodevo_sim replay DIR
-Exit code: 0; 1 where nothing viable evolved, the best of all having failed; 2 for bad input, or without simulators; 130 where you stopped it.
+
+Exit code: 0; 1 where nothing viable evolved, the best of all having failed; 2 for bad input, or where no simulator is left; 130 where Ctrl-C, SIGTERM or a terminal that closed ended it early.
+That ends in good order: the best animat is audited and recorded. A second Ctrl-C ends at once, and keeps what was recorded.
+A closed output, as of `evolve | head`, ends nothing.
 """
 _NUMBER = {int: whole_number, float: real_number}
 
@@ -68,7 +70,7 @@ def parse(arguments: list[str]) -> Options:
     """Options of a command line.  Leaves with exit code 2 and one line where something is wrong."""
     parser = Parser("evolve", "Evolve soft-bodied animats that grow from one cell and move without a central controller.", _EPILOG)
     parser.add_argument("--task", default=names()[0], metavar="NAME", help=f"what to evolve for: {', '.join(names())} (default %(default)s)")
-    parser.add_argument("--world", metavar="NAME|FILE", help=f"walk: {', '.join(WORLDS)}, or a file of your own (default flat)")
+    parser.add_argument("--world", metavar="NAME|FILE", help="walk: flat, slope, steps, rough, obstacles, gap, or a file of your own (default flat)")
     starts = f"walk: orientations at birth, of which the worse half counts (default {default_task('walk').starts})"
     parser.add_argument("--starts", type=whole_number, metavar="N", help=starts)
     parser.add_argument("--cells", default=32, type=whole_number, metavar="N", help="most cells of a body (default %(default)s)")
@@ -91,7 +93,13 @@ def parse(arguments: list[str]) -> Options:
         )
     parser.add_argument("--preset", metavar="NAME", help=f"a named set of numbers of the model: {', '.join(PRESETS)}")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="set a number of the model, e.g. material.stiffness=300")
-    given = parser.parse_args(without_ros(parser, arguments))
+    given = parser.parse_args(without_ros(arguments))
+    from evodevo_sim.genetics.genome import GenomeError
+    from evodevo_sim.genetics.genome_file import load_genome
+    from evodevo_sim.worlds import with_world
+
+    from .feasible import check
+
     try:
         task = default_task(given.task)
         if given.world is not None:

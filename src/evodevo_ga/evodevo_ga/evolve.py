@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import sys
 import time
@@ -11,8 +10,12 @@ from collections import Counter
 import rclpy
 from evodevo_sim.analysis.gait import GaitError, analyse, track_of_performance
 from evodevo_sim.analysis.gait.table import headline
-from evodevo_sim.recording import Recorder, RecordingError, record_performance
-from evodevo_sim.ros.loopback import loopback_alone
+from evodevo_sim.command_process import exit_code, heeded
+from evodevo_sim.recording import RecordingError, record_performance
+from evodevo_sim.recording.guarded import GuardedRecorder
+from evodevo_sim.ros import topics
+from evodevo_sim.ros.command_line import see_it
+from evodevo_sim.ros.environment import EnvironmentFault, started
 from evodevo_sim.ros.messages import gait_message
 from evodevo_sim.ros.own_simulators import OwnSimulators
 from evodevo_sim.ros.process import stay_on_this_host
@@ -20,11 +23,9 @@ from evodevo_sim.tasks import audit
 from evodevo_sim.tasks.evaluation import prepare
 from evodevo_sim.tasks.outcome import FAILURE, Status
 from rclpy.experimental import EventsExecutor
-from rclpy.signals import SignalHandlerOptions
 from rich.console import Console
 from tqdm import tqdm
 
-from evodevo_msgs import msg
 from evodevo_sim import perform, save_genome
 
 from .arguments import Options, cores, parse
@@ -45,18 +46,14 @@ _MEND = {Status.UNSTABLE: _BLOWN, Status.INVERTED: "raise material.pressure, by 
 
 
 class _Stop:
-    """Set by the first Ctrl-C or SIGTERM; a second one ends the process at once."""
+    """Set by the first signal, which `process.heeded` hands it."""
 
-    def __init__(self):
-        self.asked = False
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, self._ask)
+    asked = False
 
-    def _ask(self, number, _frame):
-        if self.asked:
-            os._exit(128 + number)
+    def ask(self, number: int) -> None:
         self.asked = True
-        print("\nStopping: keeping what was done. Once more to end at once.", file=sys.stderr)
+        again = "" if number == signal.SIGHUP else " Once more to end at once."
+        print(f"\nStopping: keeping what was done.{again}", file=sys.stderr)
 
     def __call__(self) -> bool:
         return self.asked
@@ -64,24 +61,24 @@ class _Stop:
 
 def main(arguments: list[str] | None = None) -> int:
     arguments = sys.argv[1:] if arguments is None else arguments
-    options = parse(arguments)
+    return evolve(parse(arguments), arguments)
+
+
+def evolve(options: Options, arguments: list[str]) -> int:
+    """Evolve as the command line says.  Args: arguments: those of ROS among them.  Returns: the exit code."""
     stop = _Stop()
     stay_on_this_host()
     try:
-        with Recorder(options.out) as recorder:
-            with loopback_alone():
-                rclpy.init(args=["evolve", *arguments], signal_handler_options=SignalHandlerOptions.NO)
+        with GuardedRecorder(options.out) as recorder, started("evolve", arguments):
             run = _Run(options, recorder, stop)
             with run.times(START):
                 prepare(options.task)  # before simulators start, so that they only load the kernels
                 audit.prepare(options.task)
-            with Auditor(options.task, options.seed) as run.auditor:
+            with heeded(stop.ask), Auditor(options.task, options.seed) as run.auditor:
                 return run.go()
-    except (RecordingError, FleetError) as error:
+    except (EnvironmentFault, RecordingError, FleetError) as error:
         print(f"evolve: {error}", file=sys.stderr)
         return 2
-    finally:
-        rclpy.try_shutdown()
 
 
 class _Run:
@@ -94,9 +91,10 @@ class _Run:
         self.times = Times()
         self.executor = EventsExecutor()
         self.executor.add_node(self.node)
-        self.statistics = self.node.create_publisher(msg.GenerationStatistics, "evolution/statistics", 10)
-        self.champions = self.node.create_publisher(msg.Champion, "evolution/champion", 10)
-        self.audits = self.node.create_publisher(msg.Audit, "evolution/audit", 10)
+        self.statistics, self.champions, self.audits = (
+            self.node.create_publisher(topic.type, topic.name, topic.quality)
+            for topic in (topics.STATISTICS, topics.CHAMPION, topics.AUDIT)
+        )
         self.auditor: Auditor  # set before `go`
         self.champion: Individual | None = None  # the one recorded last; drift may put its equals before it
         self.verdict = _NOT_AUDITED  # on it
@@ -113,7 +111,7 @@ class _Run:
 
     def _find_simulators_and_evolve(self) -> None:
         o = self.options
-        self.recorder.write("evolution/settings", evolution_message(o.settings, o.task, o.seed, o.start), time.time_ns(), latched=True)
+        self.recorder.write(topics.SETTINGS.name, evolution_message(o.settings, o.task, o.seed, o.start, o.scheme), time.time_ns())
         count, log = o.simulators or cores(), o.out / "simulators.log"
         with OwnSimulators(count, log, task=o.task.name) as own:  # they start while we look for others
             with self.times(START):
@@ -179,11 +177,11 @@ class _Run:
     def _record(self, generation, rate: float) -> None:
         now = time.time_ns()
         message = statistics_message(generation, rate, now * 1e-9)
-        self.recorder.write("evolution/statistics", message, now)
+        self.recorder.write(topics.STATISTICS.name, message, now)
         if generation.improved:
             self.champion, self.verdict = self.evolution.champion, _NOT_AUDITED
             champion = champion_message(generation.generation, self.champion, now * 1e-9)
-            self.recorder.write("evolution/champion", champion, now)
+            self.recorder.write(topics.CHAMPION.name, champion, now)
         self.recorder.flush()  # before anybody hears of it
         self.statistics.publish(message)
         if generation.improved:
@@ -197,7 +195,7 @@ class _Run:
     def _record_finding(self, finding: Finding) -> None:
         now = time.time_ns()
         message = audit_message(finding, now * 1e-9)
-        self.recorder.write("evolution/audit", message, now)
+        self.recorder.write(topics.AUDIT.name, message, now)
         self.audits.publish(message)
         verdict = audit.verdict_of(finding.audit)
         if finding.champion is self.champion:
@@ -237,13 +235,13 @@ class _Run:
             f"activation amplitude {m.activation_amplitude:.2f}.\n"
             f"Audit:    {self.verdict}\n"
             f"Gait:     {gait}.\n"
-            f"See it:   ros2 run evodevo_sim replay {self.options.out}\n"
+            f"{see_it(self.options.out)}\n"
             f"Genome:   {self.options.out / 'champion.yaml'}"
         )
         if not self.options.quiet:
             note = f"beside it: {self.auditor.done} audits, {self.auditor.cpu:.1f} s of one core"
             Console().print(table(self.times.seconds(), note))
-        return 130 if self.stop.asked else 0 if viable else 1
+        return exit_code() if exit_code() else 0 if viable else 1
 
     def _why_nothing_evolved(self) -> str:
         """Of a run whose best individual failed: what most of the last population failed by, and the mend."""
@@ -260,7 +258,7 @@ class _Run:
             gait = analyse(track_of_performance(performance, self.options.task)).gait
         except GaitError as error:
             return f"none, {error}"
-        self.recorder.write("gait", gait_message(gait), time.time_ns(), latched=True)
+        self.recorder.write(topics.GAIT.name, gait_message(gait), time.time_ns())
         return headline(gait)
 
 
@@ -274,4 +272,6 @@ def _save(options: Options, generation: int, champion: Individual, verdict: str)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    from .commands import evolve as entry
+
+    sys.exit(entry())

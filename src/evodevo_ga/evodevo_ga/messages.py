@@ -16,9 +16,10 @@ from .evolution import Generation, Individual
 from .settings import Settings
 
 
-def evolution_message(settings: Settings, task: Task, seed: int, start: Sequence[Genome] = ()) -> msg.Evolution:
+def evolution_message(settings: Settings, task: Task, seed: int, start: Sequence[Genome] = (), scheme: str = "") -> msg.Evolution:
+    """The settings of a run.  Args: start: the genomes that it begins from; scheme: the name of its way to search."""
     genomes = [genome_message(genome) for genome in start]
-    return msg.Evolution(version=__version__, task=task_message(task), seed=seed, start=genomes, **asdict(settings))
+    return msg.Evolution(version=__version__, task=task_message(task), seed=seed, start=genomes, scheme=scheme, **asdict(settings))
 
 
 def statistics_message(generation: Generation, evaluations_per_second: float, seconds: float) -> msg.GenerationStatistics:

@@ -6,20 +6,23 @@
 from __future__ import annotations
 
 import dataclasses
+import importlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 from evodevo_sim.inputs import shown
-from evodevo_sim.parameters import known_kind
+from evodevo_sim.parameters import ParameterError, known_kind
 
-from evodevo_sim import ParameterError
-
-from .layers import Layers
-from .niches import Niches
-from .panmictic import Panmictic
-from .search import Search
 from .settings import UNLIMITED, Settings
+
+if TYPE_CHECKING:
+    from .search import Search
+
+_PANMICTIC = f"{__package__}.panmictic:Panmictic"
+_LAYERS = f"{__package__}.layers:Layers"
+_NICHES = f"{__package__}.niches:Niches"
 
 
 @dataclass(frozen=True)
@@ -27,13 +30,13 @@ class Scheme:
     """A way to search.
 
     Attributes: name: as `--scheme` takes it; what: it is, in a few words; settings: what differs from the defaults of Settings;
-    search: its class, or anything that makes a Search of Settings.
+    search: its class, or anything that makes a Search of Settings; or its name as "module:class", imported when it is asked for.
     """
 
     name: str
     what: str
     settings: Mapping[str, float] = field(default_factory=dict)
-    search: Callable[[Settings], Search] = Panmictic
+    search: Callable[[Settings], Search] | str = _PANMICTIC
 
     def __post_init__(self):
         known = [item.name for item in dataclasses.fields(Settings)]
@@ -41,6 +44,16 @@ class Scheme:
             if name not in known:
                 raise ParameterError(f"scheme {self.name!r}: setting {name!r} is unknown: choose one of {', '.join(known)}")
         object.__setattr__(self, "settings", MappingProxyType(dict(self.settings)))
+
+    @property
+    def make(self) -> Callable[[Settings], Search]:
+        """What makes its search."""
+        return _imported(self.search) if isinstance(self.search, str) else self.search
+
+
+def _imported(name: str):
+    module, _, attribute = name.partition(":")
+    return getattr(importlib.import_module(module), attribute)
 
 
 _schemes: dict[str, Scheme] = {}
@@ -59,13 +72,13 @@ for _scheme in (
     # Section 3 of the paper, which ends a run after 500 generations without improvement and not before, and what its authors' saved
     # files fit.
     Scheme("paper", "its baseline", {"generations": UNLIMITED, "tournament": 2, "point_mutation": 0.1, "point_scale": 3.0, "flip": 0.0}),
-    Scheme("alps", "age layers", {"layers": 5}, Layers),
-    Scheme("niches", "of body shapes", {"niches": 5, "founders": 1000, "point_decades": 1.0, "tournament": 2}, Niches),
+    Scheme("alps", "age layers", {"layers": 5}, _LAYERS),
+    Scheme("niches", "of body shapes", {"niches": 5, "founders": 1000, "point_decades": 1.0, "tournament": 2}, _NICHES),
 ):
     register(_scheme)
 
 # The settings that part a population when above 1, and the search that does it.
-_PARTING: dict[str, type[Panmictic]] = {"layers": Layers, "niches": Niches}
+_PARTING = {"layers": _LAYERS, "niches": _NICHES}
 _ROOM = 10  # individuals of a niche, at the least, of which something can evolve
 
 
@@ -97,10 +110,12 @@ def search_of(settings: Settings, name: str = "panmictic") -> Search:
 
     Raises ParameterError where there is no scheme of that name, or its search takes no such parts.
     """
-    make = scheme_of(name).search
-    for number, parted in _PARTING.items():
+    scheme, own = scheme_of(name), (_PANMICTIC, *_PARTING.values())
+    make = scheme.make
+    for number, parting in _PARTING.items():
         if getattr(settings, number) > 1:
-            if make is Panmictic or make in _PARTING.values():
+            parted = _imported(parting)
+            if scheme.search in own or make in map(_imported, own):
                 return parted(settings)
             if not (isinstance(make, type) and issubclass(make, parted)):
                 given = f"settings.{number} is {getattr(settings, number)}"

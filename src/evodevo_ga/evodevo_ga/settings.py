@@ -5,9 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from evodevo_sim.genetics.genome import HEADER, MAX_ELEMENTS
-from evodevo_sim.parameters import Checked, parameter
-
-from evodevo_sim import ParameterError
+from evodevo_sim.parameters import Checked, ParameterError, parameter
 
 UNLIMITED = 1_000_000_000  # generations: more than any run takes, so that patience ends it
 MOST_UNITS = (MAX_ELEMENTS - HEADER) // 4  # of up to four elements each

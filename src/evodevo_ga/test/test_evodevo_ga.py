@@ -2,10 +2,11 @@
 
 from importlib.metadata import distribution
 
-from evodevo_ga import Evolution, Settings
 from evodevo_ga.in_process import evaluate_all
-from evodevo_sim import Task
 from evodevo_sim.parameters import with_settings
+
+from evodevo_ga import Evolution, Settings
+from evodevo_sim import Task
 
 
 def test_a_search_of_two_generations_keeps_the_best():

@@ -2,16 +2,19 @@
 
     from evodevo_sim import evaluate, load_genome
     evaluation = evaluate(load_genome("champion.yaml"))
+
+All of it is imported when the first name is asked for.
 """
 
-from .genetics.champions import champions, load_champion
-from .genetics.genome import Genome, GenomeError, random_genome
-from .genetics.genome_file import load_genome, parse_genome, save_genome
-from .own_body.body_file import BodyError, OwnBody, load_body, make_own_body
-from .own_body.motion import Motion, simulate_body
-from .parameters import Development, Material, ParameterError, Scene, Task
-from .tasks.evaluation import Performance, evaluate, perform
-from .tasks.outcome import Evaluation, Metrics, Status
+# ruff: noqa: F403, F405
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from .lazy import lazily
+
+if TYPE_CHECKING:
+    from .library import *
 
 __version__ = "0.1.0"
 
@@ -20,3 +23,12 @@ __all__ = [
     "ParameterError", "Performance", "Scene", "Status", "Task", "champions", "evaluate", "load_body", "load_champion", "load_genome",
     "make_own_body", "parse_genome", "perform", "random_genome", "save_genome", "simulate_body",
 ]
+
+
+def _library():
+    from . import library
+
+    return library
+
+
+__getattr__, __dir__ = lazily(globals(), _library)

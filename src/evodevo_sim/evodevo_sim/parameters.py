@@ -233,6 +233,7 @@ def with_settings(task: Task, values: dict[str, object]) -> Task:
 
     Values may be text, as from a command line.  Raises ParameterError that names the setting and the nearest known one.
     """
+    changes: dict[str, dict[str, object]] = {}  # by part, so that what belongs together is checked together
     for name, value in values.items():
         name = name.removeprefix("task.")
         part, _, field_name = name.rpartition(".")
@@ -248,9 +249,9 @@ def with_settings(task: Task, values: dict[str, object]) -> Task:
             if number is None:
                 raise ParameterError(f"{name} is {shown(value)}: give a number in decimal digits, e.g. 300 or 1e-5")
             value = number
-        changed = dataclasses.replace(target, **{field_name: value})
-        task = dataclasses.replace(task, **{part: changed}) if part else changed
-    return task
+        changes.setdefault(part, {})[field_name] = value
+    own = changes.pop("", {})
+    return dataclasses.replace(task, **own, **{part: dataclasses.replace(getattr(task, part), **given) for part, given in changes.items()})
 
 
 def _argument_type(cls):

@@ -1,8 +1,9 @@
-"""Heights of ground and ceiling as profiles: polylines, single-valued, points (x, y) m with x ascending, level beyond both ends."""
+"""Height profiles of ground and ceiling as numbers: what is wrong with them, and their height at a place.
+
+`parameters` imports this and `--help` imports that, so NumPy comes with the first profile that has points.
+"""
 
 from __future__ import annotations
-
-import numpy as np
 
 CELL = 1.0  # m, diameter
 _LEAST_RUN = 1e-3  # m, from one point to the next
@@ -11,6 +12,10 @@ _MOST_POINTS = 100_000
 
 def fault(ground_x, ground_y, ceiling_x, ceiling_y) -> str:
     """What is wrong with profiles, and the mend; nothing where they are sound."""
+    if not (len(ground_x) or len(ground_y) or len(ceiling_x) or len(ceiling_y)):
+        return ""
+    import numpy as np
+
     for name, x, y in (("ground", ground_x, ground_y), ("ceiling", ceiling_x, ceiling_y)):
         if len(x) != len(y):
             return f"{name} has {len(x)} x and {len(y)} y: give as many of both"
@@ -37,4 +42,6 @@ def fault(ground_x, ground_y, ceiling_x, ceiling_y) -> str:
 
 def profile(xs, ys, x):
     """Height of a profile at x, m, of any shape; 0 where it has no points."""
+    import numpy as np
+
     return np.interp(x, xs, ys) if len(xs) else np.zeros(np.shape(x))

@@ -7,6 +7,8 @@ import tempfile
 from contextlib import contextmanager
 from pathlib import Path
 
+from .command_process import if_ended
+
 
 @contextmanager
 def written_whole(path: str | os.PathLike, ending: str = ""):
@@ -15,7 +17,8 @@ def written_whole(path: str | os.PathLike, ending: str = ""):
     handle, name = tempfile.mkstemp(ending, f".{path.stem}-", path.parent)
     os.close(handle)
     try:
-        yield name
+        with if_ended(Path(name).unlink):
+            yield name
         os.chmod(name, 0o666 & ~_mask())
         os.replace(name, path)
     finally:

@@ -2,8 +2,9 @@
 
 from importlib.metadata import distribution
 
-from evodevo_sim import Status, Task, champions, evaluate, load_champion
 from evodevo_sim.parameters import with_settings
+
+from evodevo_sim import Status, Task, champions, evaluate, load_champion
 
 
 def test_a_champion_evaluates_to_the_same_bits_twice():

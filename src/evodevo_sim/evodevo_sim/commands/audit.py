@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import sys
+from typing import TYPE_CHECKING
 
-from ..genetics.genome import GenomeError
 from ..parameters import ParameterError
-from ..physics.energy import LEDGER
-from ..recording import RecordingError
-from ..recording.champion import champion_of
 from ..ros.command_line import Parser, pairs, real_number, say_if_compiling, warn
-from ..ros.process import without_ros
+from ..ros.environment import need_no_graph, without_ros
 from ..task_kinds import names
-from ..tasks.audit import MOST_CHANGE, Audit, audit
-from ..tasks.walk.audit import MOST_CHANGE as MOST_WALK_CHANGE
+
+if TYPE_CHECKING:
+    from ..tasks.audit import Audit
 
 _EPILOG = """\
 examples:
@@ -36,10 +34,14 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("source", metavar="GENOME|BAG", help="a genome file, or the recording of a run")
     parser.add_argument("--task", default=names()[0], metavar="NAME", help=f"for a genome: {', '.join(names())} (default %(default)s)")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="for a genome: a number of its task")
-    parser.add_argument(
-        "--within", type=real_number, metavar="X", help=f"change that still stands, relative (default {MOST_CHANGE}, of walkers {MOST_WALK_CHANGE})"
-    )
-    given = parser.parse_args(without_ros(parser, sys.argv[1:] if arguments is None else arguments))
+    parser.add_argument("--within", type=real_number, metavar="X", help="change that still stands, relative (default 0.01, of walkers 0.25)")
+    given = parser.parse_args(without_ros(sys.argv[1:] if arguments is None else arguments))
+    need_no_graph()
+    from ..genetics.genome import GenomeError
+    from ..recording import RecordingError
+    from ..recording.champion import champion_of
+    from ..tasks.audit import audit
+
     try:
         if given.within is not None and not 0.0 < given.within <= 1.0:
             raise ParameterError(f"--within is {given.within!r}: give a number above 0, up to 1")
@@ -60,6 +62,8 @@ def main(arguments: list[str] | None = None) -> int:
 
 def table(result: Audit) -> str:
     """The runs of an audit, a line each."""
+    from ..physics.energy import LEDGER
+
     last = ["targets m"] if any(run.near for run in result.runs) else []
     rows = [("", "fitness m", "change", "sustained m", *(f"{name} J" for name in LEDGER[:3]), "unexplained", "least S/S0", *last)]
     for run in result.runs:
@@ -71,4 +75,6 @@ def table(result: Audit) -> str:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    from .entry import audit as entry
+
+    sys.exit(entry())

@@ -4,25 +4,16 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from rich.console import Console
-
-from ..analysis.gait.analysis import analyse
-from ..analysis.gait.sources import track_of_performance
-from ..analysis.gait.table import gait_table, write_cells
-from ..analysis.gait.track import GaitError, Track
-from ..genetics.genome import GenomeError
-from ..genetics.genome_file import load_genome
 from ..parameters import ParameterError, Task, with_settings
-from ..recording import RecordingError, is_recording, read_recording
-from ..recording.gait import track_of_recording, words_of_stretch
-from ..recording.life import life_of
-from ..ros.command_line import Parser, pairs, say_if_compiling
-from ..ros.process import without_ros
-from ..tasks.evaluation import perform
+from ..ros.command_line import Parser, pairs, say_if_compiling, without_remarks
+from ..ros.environment import need_no_graph, without_ros
 from ..view import files
 from ..view.palettes import add_palette
-from ..view.summary import name_of
+
+if TYPE_CHECKING:
+    from ..analysis.gait.track import Track
 
 _EPILOG = """\
 examples:
@@ -45,7 +36,17 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--out", type=Path, metavar="FILE", help="save a picture, as its ending .png, .svg or .pdf says")
     parser.add_argument("--csv", type=Path, metavar="FILE.csv", help="save place, amplitude and phase of every cell")
     add_palette(parser)
-    given = parser.parse_args(without_ros(parser, sys.argv[1:] if arguments is None else arguments))
+    given = parser.parse_args(without_ros(sys.argv[1:] if arguments is None else arguments))
+    need_no_graph()
+    from rich.console import Console
+
+    from ..analysis.gait.analysis import analyse
+    from ..analysis.gait.table import gait_table, write_cells
+    from ..analysis.gait.track import GaitError
+    from ..genetics.genome import GenomeError
+    from ..recording import RecordingError
+    from ..view.summary import name_of
+
     try:
         for path, endings in ((given.out, files.PICTURES), (given.csv, (".csv",))):
             if path:
@@ -58,6 +59,7 @@ def main(arguments: list[str] | None = None) -> int:
             with files.whole(given.csv, ".csv") as file:
                 write_cells(file, analysis)
         if given.out:
+            without_remarks()
             from ..view.gait_picture import save_gait
 
             with files.whole(given.out, *files.PICTURES) as file:
@@ -68,6 +70,13 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _track(given) -> Track:
+    from ..analysis.gait.sources import track_of_performance
+    from ..genetics.genome_file import load_genome
+    from ..recording import is_recording, read_recording
+    from ..recording.gait import track_of_recording, words_of_stretch
+    from ..recording.life import life_of
+    from ..tasks.evaluation import perform
+
     path = Path(given.source)
     if not is_recording(path):
         if given.walk:
@@ -87,4 +96,6 @@ def _track(given) -> Track:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    from .entry import gait as entry
+
+    sys.exit(entry())

@@ -5,13 +5,15 @@ from __future__ import annotations
 import argparse
 import os
 import shlex
-import signal
+import shutil
 import sys
 import tempfile
 from contextlib import contextmanager
 from pathlib import Path
 
-from ..ros.command_line import Parser
+from ..command_process import if_ended
+from ..ros.command_line import Parser, without_remarks
+from ..ros.environment import need_no_graph, without_ros
 from ..view.palettes import add_palette
 
 _EPILOG = """\
@@ -39,15 +41,14 @@ def _parse(arguments: list[str] | None) -> argparse.Namespace:
     add_palette(parser)
     only = "only save: what is named, or else a Rerun file as without a display"
     parser.add_argument("--no-viewer", action="store_true", help=only)
-    return parser.parse_args(arguments)
+    return parser.parse_args(without_ros(sys.argv[1:] if arguments is None else arguments))
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Returns the exit code: 0, 2 after an error that the user can mend, 130 after Ctrl-C."""
-    for number in (signal.SIGINT, signal.SIGTERM):  # also where a shell in the background ignores Ctrl-C for its children
-        signal.signal(number, signal.default_int_handler)
     try:
         options = _parse(arguments)
+        need_no_graph()
         from ..recording import RecordingError
         from ..view.files import OutputError
 
@@ -82,7 +83,7 @@ def _replay(options: argparse.Namespace) -> int:
         _picture(recording, life, options.picture, options.palette)
     opens = viewer.has_display() and viewer.is_installed() and not options.no_viewer
     if opens and not options.save:
-        with tempfile.TemporaryDirectory(prefix="evodevo-") as directory:
+        with tempfile.TemporaryDirectory(prefix="evodevo-") as directory, if_ended(lambda: shutil.rmtree(directory, ignore_errors=True)):
             file = os.path.join(directory, f"{name_of(source)}.rrd")
             with _bar("Preparing") as step:
                 viewer.save(recording, life, file, step, options.palette)
@@ -120,6 +121,7 @@ def _beside(source: Path) -> Path:
 
 
 def _picture(recording, life, path: Path, palette: str) -> None:
+    without_remarks()
     from ..view import files
     from ..view.picture import save_story
 
@@ -138,4 +140,6 @@ def _bar(what: str, parts: int = 4):
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    from .entry import replay as entry
+
+    sys.exit(entry())

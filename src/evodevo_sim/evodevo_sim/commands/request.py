@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import sys
+from typing import TYPE_CHECKING
 
-import yaml
-
-from evodevo_msgs.srv import Evaluate, Load
-
-from ..genetics.genome import GenomeError
 from ..parameters import ParameterError, default_task
-from ..recording import RecordingError
-from ..recording.champion import Champion, champion_of
 from ..ros.command_line import Parser, pairs, real_number
-from ..ros.messages import genome_message, task_message
-from ..ros.process import without_ros
+from ..ros.environment import need_no_graph, without_ros
 from ..task_kinds import names
 
-SERVICES = {"load": Load, "evaluate": Evaluate}
+if TYPE_CHECKING:
+    from ..recording.champion import Champion
+
+SERVICES = ("load", "evaluate")
 _EPILOG = """\
 examples:
   ros2 service call /load evodevo_msgs/srv/Load "$(ros2 run evodevo_sim request bags/RUN)"
@@ -36,7 +32,12 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="for a genome: a number of its task")
     pace = "load: simulated s per s; 0 is as fast as it goes (default %(default)s)"
     parser.add_argument("--real-time-factor", type=real_number, default=1.0, metavar="X", help=pace)
-    given = parser.parse_args(without_ros(parser, sys.argv[1:] if arguments is None else arguments))
+    given = parser.parse_args(without_ros(sys.argv[1:] if arguments is None else arguments))
+    need_no_graph()
+    from ..genetics.genome import GenomeError
+    from ..recording import RecordingError
+    from ..recording.champion import champion_of
+
     try:
         if given.service not in SERVICES:
             raise ParameterError(f"--service is {given.service}: choose one of {', '.join(SERVICES)}")
@@ -51,6 +52,10 @@ def main(arguments: list[str] | None = None) -> int:
 
 def request_text(champion: Champion, service: str, real_time_factor: float = 1.0) -> str:
     """The YAML of a request.  Args: service: "load" or "evaluate"; real_time_factor: of load alone."""
+    import yaml
+
+    from ..ros.messages import genome_message, task_message
+
     task, genome = champion.task, _plain(genome_message(champion.genome))
     asked = {"task": {"name": task.name} if task == default_task(task.name) else _plain(task_message(task)), "seed": champion.seed}
     asked |= {"genome": genome, "real_time_factor": real_time_factor} if service == "load" else {"genomes": [genome]}
@@ -65,4 +70,6 @@ def _plain(value):
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    from .entry import request as entry
+
+    sys.exit(entry())

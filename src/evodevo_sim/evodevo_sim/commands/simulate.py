@@ -6,19 +6,15 @@ import os
 import sys
 import time
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import numpy as np
-
-from ..own_body.body_file import BodyError, load_body
-from ..own_body.motion import FRAME, SCENES, Motion, simulate_body
 from ..parameters import ParameterError
-from ..physics.stability import INTEGRATORS
-from ..recording import Recorder, RecordingError
-from ..ros.command_line import Parser, real_number, say_if_compiling
-from ..ros.messages import body_message, cell_states_message, scene_message
-from ..ros.process import without_ros
+from ..ros.command_line import Parser, real_number, say_if_compiling, see_it
+from ..ros.environment import need_no_graph, without_ros
 from ..whole_file import written_whole
-from ..worlds import PRESETS
+
+if TYPE_CHECKING:
+    from ..own_body.motion import Motion
 
 _EPILOG = """\
 examples:
@@ -42,15 +38,22 @@ Exit code: 0; 1 where the physics failed, and what came before is kept; 2 for ba
 def main(arguments: list[str] | None = None) -> int:
     parser = Parser("simulate", "Simulate a soft body of your own.", _EPILOG)
     parser.add_argument("body", metavar="BODY", help="a body file, YAML or JSON")
-    parser.add_argument("--scene", default="swim", metavar="NAME", help=f"{', '.join(SCENES)} (default %(default)s)")
-    parser.add_argument("--world", metavar="NAME|FILE", help=f"walk: {', '.join(PRESETS)}, or a file (docs/walking.md; default flat)")
+    parser.add_argument("--scene", default="swim", metavar="NAME", help="swim, walk, free (default %(default)s)")
+    worlds = "walk: flat, slope, steps, rough, obstacles, gap, or a file (docs/walking.md; default flat)"
+    parser.add_argument("--world", metavar="NAME|FILE", help=worlds)
     parser.add_argument("--duration", required=True, type=real_number, metavar="S", help="simulated seconds")
     parser.add_argument("--dt", type=real_number, metavar="S", help="seconds of a step, exactly")
     parser.add_argument("--tolerance", type=real_number, metavar="M", help="most error of an adaptive step, in m and m/s")
-    parser.add_argument("--integrator", metavar="NAME", help=f"{', '.join(INTEGRATORS)} (default euler in walk, or else rk4)")
+    parser.add_argument("--integrator", metavar="NAME", help="euler, verlet, rk4, adaptive (default euler in walk, or else rk4)")
     parser.add_argument("--out", required=True, metavar="BAG", help="directory of the recording, made anew")
     parser.add_argument("--npz", metavar="FILE", help="a file for every frame, made anew")
-    given = parser.parse_args(without_ros(parser, sys.argv[1:] if arguments is None else arguments))
+    given = parser.parse_args(without_ros(sys.argv[1:] if arguments is None else arguments))
+    need_no_graph()
+    from ..own_body.body_file import BodyError, load_body
+    from ..own_body.motion import simulate_body
+    from ..recording import RecordingError
+    from ..recording.guarded import GuardedRecorder
+
     try:
         _refuse_existing(given)
         own = load_body(given.body)
@@ -59,7 +62,7 @@ def main(arguments: list[str] | None = None) -> int:
             own, given.scene, given.duration, dt=given.dt, tolerance=given.tolerance, integrator=given.integrator,
             world=given.world,
         )
-        with Recorder(given.out) as recorder:
+        with GuardedRecorder(given.out) as recorder:
             record_motion(recorder, own, motion, time.time_ns())
         if given.npz:
             save_motion(given.npz, motion)
@@ -69,7 +72,7 @@ def main(arguments: list[str] | None = None) -> int:
     print(
         f"{motion.time[-1]:g} s of {given.scene} by {motion.integrator} with drag_normal {law.drag_normal:g}, drag_tangential "
         f"{law.drag_tangential:g}, gravity {motion.system.gravity:g}, friction {motion.system.friction:g}.\n"
-        f"See it:   ros2 run evodevo_sim replay {given.out}"
+        f"{see_it(given.out)}"
     )
     if motion.cause:
         print(f"simulate: {motion.cause}; what came before is kept", file=sys.stderr)
@@ -78,6 +81,8 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _refuse_existing(given):
+    from ..recording import RecordingError
+
     for name in filter(None, (given.out, given.npz)):
         if os.path.lexists(name):
             raise RecordingError(f"{name} exists already and is never overwritten: choose another name")
@@ -87,19 +92,27 @@ def _refuse_existing(given):
 
 def record_motion(recorder, own, motion: Motion, stamp: int) -> None:
     """Write a motion to a `Recorder` from `stamp` ns on, in about 60 frames a second."""
-    recorder.write("body", body_message(own.body), stamp, latched=True)
+    from ..own_body.motion import FRAME
+    from ..ros.messages import body_message, cell_states_message, scene_message
+    from ..ros.topics import BODY, CELL_STATES, SCENE
+
+    recorder.write(BODY.name, body_message(own.body), stamp)
     if motion.world is not None:
-        recorder.write("scene", scene_message(motion.world), stamp, latched=True)
+        recorder.write(SCENE.name, scene_message(motion.world), stamp)
     every = max(1, round(FRAME / (motion.time[1] - motion.time[0]))) if len(motion.time) > 1 else 1
     frames = range(0, len(motion.time), every)
     for k in (*frames, *({len(motion.time) - 1} - {frames[-1]})):
         seconds = float(motion.time[k])
         message = cell_states_message(motion.position[k], motion.velocity[k], motion.activation[k], k, seconds)
-        recorder.write("cell_states", message, stamp + round(seconds * 1e9))
+        recorder.write(CELL_STATES.name, message, stamp + round(seconds * 1e9))
 
 
 def save_motion(path: str | os.PathLike, motion: Motion) -> None:
     """Write an NPZ file of time (T,) s, position (T, N, 2) m, velocity (T, N, 2) m/s, float64; whole or not at all."""
+    import numpy as np
+
+    from ..recording import RecordingError
+
     try:
         with written_whole(path, ".npz") as name:
             np.savez(name, time=motion.time, position=motion.position, velocity=motion.velocity)
@@ -108,4 +121,6 @@ def save_motion(path: str | os.PathLike, motion: Motion) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    from .entry import simulate as entry
+
+    sys.exit(entry())

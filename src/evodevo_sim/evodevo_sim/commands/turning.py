@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from ..analysis.turning import Turning, turning
-from ..genetics.genome import GenomeError
 from ..parameters import ParameterError
-from ..recording import RecordingError
-from ..recording.champion import champion_of
-from ..ros.command_line import Parser, pairs, say_if_compiling, warn
-from ..ros.process import without_ros
+from ..ros.command_line import Parser, pairs, say_if_compiling, warn, without_remarks
+from ..ros.environment import need_no_graph, without_ros
 from ..view.files import PICTURES, OutputError, check, whole
 from ..view.palettes import add_palette
+
+if TYPE_CHECKING:
+    from ..analysis.turning import Turning
 
 _EPILOG = """\
 examples:
@@ -34,7 +34,13 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="for genomes: a number of the task")
     parser.add_argument("--out", type=Path, metavar="FILE", help="save a picture, as its ending .png, .svg or .pdf says")
     add_palette(parser)
-    given = parser.parse_args(without_ros(parser, sys.argv[1:] if arguments is None else arguments))
+    given = parser.parse_args(without_ros(sys.argv[1:] if arguments is None else arguments))
+    need_no_graph()
+    from ..analysis.turning import turning
+    from ..genetics.genome import GenomeError
+    from ..recording import RecordingError
+    from ..recording.champion import champion_of
+
     try:
         if given.out:
             check(given.out, *PICTURES)
@@ -48,6 +54,7 @@ def main(arguments: list[str] | None = None) -> int:
                 raise ParameterError(f"{champion.name}: {error}") from None
             print(line(*found[-1]), flush=True)
         if given.out:
+            without_remarks()
             from ..view.turning_picture import save_turning
 
             with whole(given.out, *PICTURES) as file:
@@ -68,4 +75,6 @@ def line(name: str, found: Turning) -> str:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    from .entry import turning as entry
+
+    sys.exit(entry())

@@ -80,15 +80,16 @@ class Stage:
 
     Args:
         show: called in that thread with the animat when it is loaded or reset, and after every `every` steps.
+        act: called in that thread with the animat after each step, whose activation is what its muscles were told in it; or None.
         stopped: called in that thread with a one-line reason when the animat cannot go on.
 
     The thread owns the animat: the methods ask it, and return when it has done as they ask.  What is refused, or not begun in
     time, changes nothing.
     """
 
-    def __init__(self, show, stopped, every: int = 1):
+    def __init__(self, show, stopped, every: int = 1, act=None):
         self.every = every
-        self._show, self._stopped = show, stopped
+        self._show, self._stopped, self._act = show, stopped, act
         self._asked: queue.SimpleQueue = queue.SimpleQueue()
         self._animat: Animat | None = None
         self._target: tuple[float, float] | None = None
@@ -163,6 +164,8 @@ class Stage:
         try:
             self._animat.target = self._target
             self._animat.step()
+            if self._act:
+                self._act(self._animat)
             if self._animat.steps % self.every == 0:
                 self._show(self._animat)
             cause = self._animat.cause

@@ -1,9 +1,7 @@
-"""`ros2 run evodevo_sim chase`: an animat on a simulator node, and targets for it to follow."""
+"""An animat on a simulator node, and targets for it to follow."""
 
 from __future__ import annotations
 
-import signal
-import sys
 import threading
 import time
 from contextlib import ExitStack
@@ -11,45 +9,26 @@ from pathlib import Path
 
 import numpy as np
 import rclpy
-from geometry_msgs.msg import PoseStamped
 from rclpy.experimental import EventsExecutor
-from rclpy.qos import qos_profile_sensor_data
-from rclpy.signals import SignalHandlerOptions
 from tqdm import tqdm
 
-from evodevo_msgs.msg import Body, CellStates
 from evodevo_msgs.srv import Load
 
-from ..genetics.genome import GenomeError
+from ..command_process import exit_code, heeded
 from ..live.targets import Drawn, Random, load_points
 from ..parameters import ParameterError
-from ..recording import Recorder, RecordingError, is_recording, read_recording
+from ..recording import RecordingError, is_recording, read_recording
 from ..recording.champion import Champion, champion_of
+from ..recording.guarded import GuardedRecorder
 from ..ros.barrier import Callbacks, brief
-from ..ros.command_line import Parser, pairs, real_number, warn, whole_number
-from ..ros.loopback import loopback_alone
+from ..ros.command_line import pairs, see_it, warn
+from ..ros.environment import started
 from ..ros.messages import genome_message, target_message, task_message
 from ..ros.own_simulators import OwnSimulators
-from ..ros.process import stay_on_this_host, without_ros
+from ..ros.process import stay_on_this_host
+from ..ros.topics import ACTUATION, BODY, CELL_STATES, TARGET_POSE, Topic
 from ..view.files import OutputError
-from ..view.palettes import add_palette
-from .simulator import LATCHED, NEWEST
 
-_EPILOG = """\
-examples:
-  ros2 run evodevo_sim chase bags/RUN
-      ten random targets around the champion of a run, on a simulator of its own
-  ros2 run evodevo_sim chase champion.yaml --targets path.csv --out bags/chase
-      the targets that a file draws, a line `x,y` each; the recording is made anew, and replays as any other
-  ros2 run evodevo_sim chase champion.yaml --targets bags/chase --real-time-factor 4
-      the targets of a recording, four times as fast
-  ros2 run evodevo_sim chase champion.yaml --simulator /sim_0 --view
-      on a simulator node of the graph; in the Rerun viewer while it swims
-
-A target counts as captured when the centre of mass is within --capture metres of it; then, or after --each simulated seconds, the
-next one comes.
-Exit code: 0; 1 where the animat failed or the simulator was lost; 2 for bad input; 130 after Ctrl-C. What was recorded is kept.
-"""
 _START = 90.0  # s for a simulator of our own to start; it may have to compile
 _ANSWER = 10.0  # s for a simulator of the graph to answer
 _SILENCE = 10.0  # s without cell states after which a simulator counts as lost
@@ -59,59 +38,24 @@ class ChaseError(RuntimeError):
     """The chase cannot go on; the message says why."""
 
 
-def _parse(arguments):
-    parser = Parser("chase", "Let an animat follow targets, live.", _EPILOG)
-    parser.add_argument("source", metavar="GENOME|BAG", help="a genome file, or the recording of a run")
-    parser.add_argument("--targets", default="random", metavar="random|FILE|BAG", help="where targets come from (default %(default)s)")
-    parser.add_argument("--count", type=whole_number, metavar="N", help="targets (default: 10 random ones, or all)")
-    parser.add_argument("--distance", type=real_number, nargs=2, default=(4.0, 12.0), metavar="M", help="of random targets, from and to (default 4 12)")
-    parser.add_argument("--seed", type=whole_number, default=1, metavar="N", help="of random targets (default %(default)s)")
-    parser.add_argument("--each", type=real_number, default=60.0, metavar="S", help="simulated seconds for each target (default %(default)s)")
-    parser.add_argument("--capture", type=real_number, default=3.0, metavar="M", help="distance that counts as captured (default %(default)s)")
-    pace = "simulated s per s; beyond about 5, cell states are missed and targets come late (default %(default)s)"
-    parser.add_argument("--real-time-factor", type=real_number, default=1.0, metavar="X", help=pace)
-    parser.add_argument("--simulator", metavar="NAMESPACE", help="of a simulator node on the graph (default: one of our own)")
-    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="for a genome: a number of its task")
-    parser.add_argument("--out", type=Path, metavar="DIR", help="directory of a recording, made anew")
-    parser.add_argument("--view", action="store_true", help="show it in the Rerun viewer")
-    parser.add_argument("--save", type=Path, metavar="FILE.rrd", help="save a Rerun file while it runs")
-    add_palette(parser)
-    parser.add_argument("--quiet", action="store_true", help="no progress bar")
-    given = parser.parse_args(without_ros(parser, arguments))
-    for name, value, least, most in (
-        ("--each", given.each, 1e-3, 1e6), ("--capture", given.capture, 1e-3, 1e6), ("--count", 1 if given.count is None else given.count, 1, 10**9),
-        ("--real-time-factor", given.real_time_factor, 0.01, 100.0), ("--seed", given.seed, 0, 2**63),
-    ):
-        if not least <= value <= most:
-            parser.error(f"{name} is {value}: give {least:g} to {most:g}")
-    return parser, given
+def chase(given, arguments: list[str]) -> int:
+    """Chase as the command line says.
 
-
-def main(arguments: list[str] | None = None) -> int:
-    arguments = sys.argv[1:] if arguments is None else arguments
-    parser, given = _parse(arguments)
-    stop = threading.Event()  # looked at between messages: an exception could come in the middle of a write
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: stop.set())
+    Args: given: what `chase_command` parsed; arguments: those of ROS among them.  Returns: the exit code.
+    Raises ChaseError; where the input is bad EnvironmentFault, GenomeError, OutputError, ParameterError or RecordingError.
+    """
     stay_on_this_host()
-    try:
-        champion = champion_of(given.source, pairs(given.set), "chemotaxis", warn(parser.prog))
-        if not champion.task.has_target:
-            raise ParameterError(f"{given.source} was evolved for {champion.task.name}, without targets: give its champion.yaml, or another run")
-        targets = _targets(given)
-        with ExitStack() as stack:
-            view = _viewer(given, stack, champion)
-            recorder = stack.enter_context(Recorder(given.out)) if given.out else None
-            with loopback_alone():
-                rclpy.init(args=[parser.prog, *arguments], signal_handler_options=SignalHandlerOptions.NO)
-            stack.callback(rclpy.try_shutdown)
-            return Chase(given, champion, targets, recorder, view, stop).run(stack)
-    except (GenomeError, OutputError, ParameterError, RecordingError) as error:
-        print(f"{parser.prog}: {error}", file=sys.stderr)
-        return 2
-    except ChaseError as error:
-        print(f"{parser.prog}: {error}", file=sys.stderr)
-        return 1
+    champion = champion_of(given.source, pairs(given.set), "chemotaxis", warn("chase"))
+    if not champion.task.has_target:
+        raise ParameterError(f"{given.source} was evolved for {champion.task.name}, without targets: give its champion.yaml, or another run")
+    targets = _targets(given)
+    stop = threading.Event()  # looked at between messages: an exception could come in the middle of a write
+    with ExitStack() as stack:
+        view = _viewer(given, stack, champion)
+        recorder = stack.enter_context(GuardedRecorder(given.out)) if given.out else None
+        stack.enter_context(heeded(lambda _: stop.set()))
+        stack.enter_context(started("chase", arguments))
+        return Chase(given, champion, targets, recorder, view, stop).run(stack)
 
 
 def _targets(given):
@@ -152,6 +96,7 @@ class Chase:
         self.closest: list[float] = []
         self.target = None
         self.ended = False
+        self._answer, self._lives = None, False
         self._since, self._step = 0.0, -1
         self._bar = None
 
@@ -162,15 +107,17 @@ class Chase:
         executor.add_node(node)
         own = None if self.given.simulator else stack.enter_context(OwnSimulators(1, owner="chase", task="chemotaxis"))
         namespace = (own.namespaces[0] if own else "/" + self.given.simulator.strip("/")).rstrip("/")
-        self._publisher = node.create_publisher(PoseStamped, f"{namespace}/target_pose", NEWEST)
+        self._publisher = node.create_publisher(TARGET_POSE.type, TARGET_POSE.at(namespace), TARGET_POSE.quality)
         self._node = node
         loader = node.create_client(Load, f"{namespace}/load")
         self._wait(executor, loader.service_is_ready, own, f"no simulator answers at {namespace}: start one, or leave --simulator out")
         callbacks = Callbacks(node, through=(OSError, RecordingError, OutputError))
-        callbacks.subscription(Body, f"{namespace}/body", self._embody, LATCHED)
-        callbacks.subscription(CellStates, f"{namespace}/cell_states", self._follow, qos_profile_sensor_data)
+        callbacks.subscription(BODY.type, BODY.at(namespace), self._embody, BODY.quality)
+        callbacks.subscription(CELL_STATES.type, CELL_STATES.at(namespace), self._follow, CELL_STATES.quality)
+        if self.recorder:  # a simulator makes these messages only where somebody listens
+            callbacks.subscription(ACTUATION.type, ACTUATION.at(namespace), self._actuate, ACTUATION.quality)
         self._wait(
-            executor, lambda: self._publisher.get_subscription_count() and node.count_publishers(f"{namespace}/cell_states"), own,
+            executor, lambda: self._publisher.get_subscription_count() and node.count_publishers(CELL_STATES.at(namespace)), own,
             f"{namespace} is no simulator",
         )
         c = self.champion
@@ -178,7 +125,7 @@ class Chase:
             task=task_message(c.task), seed=c.seed, genome=genome_message(c.genome), real_time_factor=self.given.real_time_factor
         )
         with tqdm(total=self.most, unit="target", disable=self.given.quiet, leave=False) as self._bar:
-            answer = loader.call_async(request)
+            self._answer = answer = loader.call_async(request)
             self._wait(executor, answer.done, own, "the simulator does not answer")
             if answer.done() and not answer.result().success:
                 raise ParameterError(brief(f"{self.given.source}: {answer.result().message}"))
@@ -190,7 +137,7 @@ class Chase:
                 elif time.monotonic() - last > _SILENCE or (own and not own.alive()):
                     raise ChaseError(f"the simulator fell silent after {self.states} cell states, its animat failed or it ended")
         self._report()
-        return 130 if self.stop.is_set() else 0
+        return exit_code()
 
     def _wait(self, executor, ready, own, otherwise: str) -> None:
         deadline = time.monotonic() + (_START if own else _ANSWER)
@@ -202,13 +149,13 @@ class Chase:
                 raise ParameterError(otherwise)
 
     def _embody(self, message) -> None:
-        self._write("body", message, latched=True)
+        self._write(BODY, message)
         if self.view:
             self.view.embody(message)
 
     def _follow(self, message) -> None:
         """One control step's cells: captured? the next target?"""
-        if self.ended or not len(message.position_x) or message.step <= self._step:
+        if self.ended or not self._is_ours(message) or not len(message.position_x) or message.step <= self._step:
             return
         position = np.column_stack((message.position_x, message.position_y))
         if not np.isfinite(position).all():
@@ -225,9 +172,18 @@ class Chase:
                 self._bar.update()
         if self.target is None:
             self._aim(centre, now)
-        self._write("cell_states", message)
+        self._write(CELL_STATES, message)
         if self.view:
             self.view.show(now, position, np.asarray(message.activation), self.target, self.captured)
+
+    def _actuate(self, message) -> None:
+        if self._is_ours(message) and not self.ended:
+            self._write(ACTUATION, message)
+
+    def _is_ours(self, message) -> bool:
+        """Whether it is of our animat: another one may live on the simulator until ours is born, at step 0."""
+        self._lives = self._lives or (self._answer is not None and (message.step == 0 or self._answer.done()))
+        return self._lives
 
     def _aim(self, centre, now: float) -> None:
         target = None if self.sent == self.most else self.targets.following(centre)
@@ -238,22 +194,20 @@ class Chase:
         self.closest.append(float(np.hypot(*(centre - target))))
         message = target_message(target, self._node.get_clock().now().to_msg())
         self._publisher.publish(message)
-        self._write("target_pose", message, latched=True)
+        self._write(TARGET_POSE, message)
         self._bar.set_postfix_str(f"{self.captured} captured", refresh=False)
 
-    def _write(self, topic, message, latched=False) -> None:
+    def _write(self, topic: Topic, message) -> None:
         if self.recorder:
-            self.recorder.write(topic, message, time.time_ns(), latched=latched)
+            self.recorder.write(topic.name, message, time.time_ns())
 
     def _report(self) -> None:
-        mean = float(np.mean(self.closest)) if self.closest else float("nan")
+        if not self.sent:
+            print(f"{self.champion.name}: stopped before the first target{', and nothing was recorded' if self.given.out else ''}.")
+            return
         print(
             f"{self.champion.name}: {self.captured} of {self.sent} targets captured within {self.given.capture:g} m, "
-            f"closest {mean:.2f} m in the mean, in {self._step * self.champion.task.control_step:.1f} s."
+            f"closest {np.mean(self.closest):.2f} m in the mean, in {self._step * self.champion.task.control_step:.1f} s."
         )
         if self.given.out:
-            print(f"See it:   ros2 run evodevo_sim replay {self.given.out}")
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+            print(see_it(self.given.out))

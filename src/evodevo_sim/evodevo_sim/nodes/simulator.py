@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import math
-import sys
 
-from geometry_msgs.msg import PoseStamped
 from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profile_sensor_data
 from std_srvs.srv import SetBool, Trigger
 
-from evodevo_msgs.msg import Body, CellStates
 from evodevo_msgs.srv import Evaluate, Load
 
 from ..genetics.genome import Genome, GenomeError
@@ -19,21 +15,18 @@ from ..inputs import shown
 from ..live.animat import Animat, NotViable, Stage, check_pace
 from ..parameters import ParameterError, default_task
 from ..ros.barrier import Callbacks, Desk, brief, told
-from ..ros.command_line import Parser
 from ..ros.messages import (
+    actuation_message,
     body_message,
     cell_states_message,
     evaluation_message,
     genome_from_message,
     task_of_request,
 )
-from ..ros.process import run
+from ..ros.topics import ACTUATION, BODY, CELL_STATES, TARGET_POSE
 from ..task_kinds import names
 from ..tasks.evaluation import evaluate, invalid, prepare
 from ..tasks.outcome import Evaluation
-
-LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 
 
 class Simulator(Node):
@@ -58,11 +51,12 @@ class Simulator(Node):
         self._callbacks = Callbacks(self)
         self._evaluations, self._births = Desk("evaluations"), Desk("births")
 
-        self._body = self.create_publisher(Body, "body", LATCHED)
-        self._states = self.create_publisher(CellStates, "cell_states", qos_profile_sensor_data)
+        self._body = self.create_publisher(BODY.type, BODY.name, BODY.quality)
+        self._states = self.create_publisher(CELL_STATES.type, CELL_STATES.name, CELL_STATES.quality)
+        self._actuation = self.create_publisher(ACTUATION.type, ACTUATION.name, ACTUATION.quality)
         self._shown = None
-        self._stage = Stage(self._show, self._report, every)
-        self._callbacks.subscription(PoseStamped, "target_pose", self._aim, NEWEST)
+        self._stage = Stage(self._show, self._report, every, self._act)
+        self._callbacks.subscription(TARGET_POSE.type, TARGET_POSE.name, self._aim, TARGET_POSE.quality)
         self._callbacks.service(Evaluate, "evaluate", self._evaluate, self._evaluations)
         self._callbacks.service(Load, "load", self._load, self._births)
         self._callbacks.service(SetBool, "pause", self._pause)
@@ -180,6 +174,11 @@ class Simulator(Node):
                 cell_states_message(animat.position, animat.velocity, animat.activation, animat.steps, animat.time, self._frame)
             )
 
+    def _act(self, animat):
+        """In the stage's thread, after each control step: publish what the muscles were told in it, if somebody listens."""
+        if self._actuation.get_subscription_count():
+            self._actuation.publish(actuation_message(animat.activation, animat.steps, animat.time, self._frame))
+
     def _report(self, cause):
         self._shown = None
         self.get_logger().error(brief(f"the live animat ended: {cause}: load another one"))
@@ -210,34 +209,3 @@ def _seconds(node, name: str, default: float, meaning: str) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 <= value <= 1e9:  # a range of ROS's lets NaN pass
         raise ParameterError(f"{name} is {brief(repr(value), 60)}: give seconds from 0 to 1e9")
     return float(value)
-
-
-_EPILOG = """\
-in a namespace of its own, so that several can stand side by side:
-  ros2 run evodevo_sim simulator --ros-args -r __ns:=/sim_0
-
-names in the namespace:
-  services  evaluate  evodevo_msgs/srv/Evaluate   a batch of genomes for a task and a seed
-            load      evodevo_msgs/srv/Load       grow a genome and let it live at a real-time factor
-            pause     std_srvs/srv/SetBool        hold the animat, or let it go on; a loaded one is never held
-            reset     std_srvs/srv/Trigger        back to birth, held if it was
-  topics    body, cell_states                     of the live animat; body is latched
-            target_pose (subscribed)              geometry_msgs/PoseStamped; the last good one holds
-
-parameters, e.g. -p publish_every:=4
-  frame_id       world   frame of positions and targets
-  max_batch      1000    genomes in one request, at the most
-  publish_every  1       control steps between cell states
-  task           swim    task whose first request does not wait for kernels
-  target_age     1.0     s, of the oldest target that counts; one with a stamp of 0 always does
-
-Nothing leaves this host unless ROS_AUTOMATIC_DISCOVERY_RANGE says so.
-"""
-
-
-def main(arguments: list[str] | None = None) -> int:
-    return run(Simulator, Parser("simulator", "Simulate animats: batches for evolution, and one live.", _EPILOG), arguments)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

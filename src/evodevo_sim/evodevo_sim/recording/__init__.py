@@ -4,10 +4,11 @@
         evolution/settings, evolution/statistics, evolution/champion, evolution/audit      of a run
         growth/body, growth/cell_states                                   the embryo, where its graph changes and at each step
         body (latched), cell_states                                       the animat that lives
+        actuation                                                         what its muscles were told, where chase recorded it
         scene (latched)                                                   the world of a walk by simulate
         gait (latched)                                                    what evolve found that motion to be
 
-`topics` is the table of them.  Reading: `storage` finds the files, `mcap_file` and `sqlite_file` their messages; `decoding` tells by
+`ros.topics` is the table of them.  Reading: `storage` finds the files, `mcap_file` and `sqlite_file` their messages; `decoding` tells by
 `schema` whether a type is ours, and `older` what another version of it lacks; `ordering` puts messages in the order of time.
 """
 

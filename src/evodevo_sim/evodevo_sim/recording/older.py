@@ -13,6 +13,7 @@ from .schema import Difference
 
 # Fields without which a message of ours says nothing; of messages of other packages all are.
 _NEEDED = {
+    "Actuation": {"header", "step", "activation"},
     "Audit": {"generation", "stands"},
     "AuditRun": {"name", "fitness"},
     "Body": {"cells", "spring_a", "spring_b", "chamber_start", "chamber_cell", "outline_a", "outline_b"},
@@ -43,6 +44,8 @@ float64 unexplained
 }
 _SETTINGS = {"Task", "Development", "Material", "Scene", "Noise", "Chemotaxis"}  # what is missing there has its default
 _ABSENT = {"Steering"}  # all 0 where there was none
+# What is not there holds none the less: all were so before the field came, or its empty value says that nobody knows.
+_TRUE = {("Task", "fitness"), ("Evolution", "scheme")}
 # Fields that other versions have, and `_upgraded` makes use of; and those that it fills by them.
 _USED = {("Audit", "fitness_finer"), ("Audit", "fitness_higher_order"), ("Audit", "unexplained")}
 _FILLED = {("Audit", "runs")}
@@ -65,7 +68,7 @@ def words_of(difference: Difference) -> list[str]:
     found = []
     for name, field in difference.missing:
         stem = name.rpartition("/")[2]
-        if not (used and (stem, field) in _FILLED):
+        if (stem, field) not in _TRUE and not (used and (stem, field) in _FILLED):
             found.append(f"{stem}.{field} is missing ({'its default is taken' if stem in _SETTINGS else 'not known'})")
     found += [f"{name.rpartition('/')[2]}.{field} is ignored" for name, field in difference.ignored
               if (name.rpartition("/")[2], field) not in used]

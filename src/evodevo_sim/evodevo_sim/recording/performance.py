@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..ros.messages import body_message, cell_states_message, graph_message, target_message, time_message
+from ..ros.topics import BODY, CELL_STATES, GROWTH_BODY, GROWTH_STATES, TARGET_POSE
 from ..tasks.evaluation import Performance
 
 
@@ -20,20 +21,20 @@ def record_performance(recorder, performance: Performance, stamp: int) -> None:
         now = stamp + round(seconds * 1e9)
         if not np.array_equal(edges, performance.growth_edges[k]):
             edges = performance.growth_edges[k]
-            recorder.write("growth/body", graph_message(position[alive], edges, stamp=seconds), now, latched=True)
+            recorder.write(GROWTH_BODY.name, graph_message(position[alive], edges, stamp=seconds), now)
         still = np.zeros((int(alive.sum()), 2))
-        recorder.write("growth/cell_states", cell_states_message(position[alive], still, activation[alive], k, seconds), now)
+        recorder.write(GROWTH_STATES.name, cell_states_message(position[alive], still, activation[alive], k, seconds), now)
     if performance.body is None:
         return
     born = len(performance.growth) * step
-    recorder.write("body", body_message(performance.body, stamp=born), stamp + round(born * 1e9), latched=True)
+    recorder.write(BODY.name, body_message(performance.body, stamp=born), stamp + round(born * 1e9))
     if performance.target is not None:
         target = target_message(performance.target, time_message(born))
-        recorder.write("target_pose", target, stamp + round(born * 1e9), latched=True)
+        recorder.write(TARGET_POSE.name, target, stamp + round(born * 1e9))
     states = zip(performance.time, performance.position, performance.velocity, performance.activation)
     for k, (time, position, velocity, activation) in enumerate(states):
         if np.isfinite(position[0, 0]):
             seconds = born + time
             recorder.write(
-                "cell_states", cell_states_message(position, velocity, activation, k, seconds), stamp + round(seconds * 1e9)
+                CELL_STATES.name, cell_states_message(position, velocity, activation, k, seconds), stamp + round(seconds * 1e9)
             )

@@ -11,13 +11,13 @@ from geometry_msgs.msg import PoseStamped
 
 from evodevo_msgs import msg
 
+from ..ros.topics import CELL_STATES, SETTINGS, Topic, namespace_of, role_of
 from .decoding import Reading, Undecodable, reading_of
 from .definitions import HOW, RecordingError
 from .older import named
 from .ordering import lives
 from .storage import files_of, messages_of
 from .stored import Channel, Damage, Stored
-from .topics import Topic, namespace_of, role_of
 
 _LONGEST = 290  # characters of a note
 _TRIES = 3  # messages of a topic that are tried where none can be read
@@ -28,10 +28,10 @@ class Recording:
     """The messages of a recording, in the order of time; what it does not hold is None or empty.
 
     Attributes: settings: Evolution; statistics: GenerationStatistics; champions: Champion; audits: Audit, of those champions
-    that the run got to; growth and states: CellStates, of each life by their stamps; growth_bodies: Body, where the embryo's graph
-    changed; body: Body; gait: Gait of the states; scene: Scene, of a walk by simulate; targets: PoseStamped; state_times and
-    target_times: ns, when each was recorded; truncated: whether the end is missing, or damaged; notes: what else must be known of
-    what was read, a line each; unread: why messages of ours were not, by attribute.
+    that the run got to; growth and states: CellStates, actuation: Actuation, of each life by their stamps; growth_bodies: Body, where
+    the embryo's graph changed; body: Body; gait: Gait of the states; scene: Scene, of a walk by simulate; targets: PoseStamped;
+    state_times and target_times: ns, when each was recorded; truncated: whether the end is missing, or damaged; notes: what else must
+    be known of what was read, a line each; unread: why messages of ours were not, by attribute.
     """
 
     path: Path
@@ -44,6 +44,7 @@ class Recording:
     body: msg.Body | None = None
     states: list[msg.CellStates] = field(default_factory=list)
     state_times: list[int] = field(default_factory=list)
+    actuation: list[msg.Actuation] = field(default_factory=list)
     targets: list[PoseStamped] = field(default_factory=list)
     target_times: list[int] = field(default_factory=list)
     gait: msg.Gait | None = None
@@ -134,7 +135,7 @@ class _Collected:
             if not entry.many:
                 setattr(recording, entry.attribute, kept[-1][1])
                 continue
-            if entry.attribute in ("states", "growth", "growth_bodies"):
+            if entry.lives:
                 kept = [kept[k] for life in lives([_stamp(m) for _, m in kept], [t for t, _ in kept]) for k in life]
             setattr(recording, entry.attribute, [message for _, message in kept])
             if entry.attribute in ("states", "targets"):
@@ -150,7 +151,7 @@ class _Collected:
             entry: {namespace: min((one.log_time, namespace) for _, one in messages) for namespace, messages in found.items()}
             for entry, found in self._messages.items()
         }
-        animats = next((found for entry, found in begins.items() if entry.attribute == "states"), {})
+        animats = begins.get(CELL_STATES, {})
         first = min(animats, key=animats.get, default=None)
         if len(animats) > 1:
             _note(self._recording, f"{self._recording.path} holds {len(animats)} animats: {first or '/'}, the first one, is read")
@@ -164,7 +165,7 @@ class _Collected:
 
     def _begin_of_run(self, chosen) -> int:
         """ns, when the last of several runs in one directory began."""
-        settings = next((messages for entry, messages in chosen.items() if entry.attribute == "settings"), [])
+        settings = chosen.get(SETTINGS, [])
         if len({one.data for _, one in settings}) < 2:
             return -(2**63)
         _note(self._recording, f"{self._recording.path} holds {len(settings)} runs: the last one is read")

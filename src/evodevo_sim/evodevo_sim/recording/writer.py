@@ -12,9 +12,11 @@ import yaml
 from mcap.writer import CompressionType, Writer
 from rclpy.serialization import serialize_message
 
+from ..ros.topics import EVENTS, Quality, role_of
 from .definitions import RecordingError, definition, type_hash, type_name
 
 _CHUNK = 128 * 1024  # bytes of messages that share a compressed chunk
+_LAST_MESSAGE = 2.0  # s for the message that is being written when the process is ended
 _KEEP_WITHIN = 0.5  # s after which a message is in the file, come what may
 _INFINITE = {"sec": 9223372036, "nsec": 854775807}
 
@@ -26,10 +28,11 @@ class _Plain(yaml.SafeDumper):
         return True
 
 
-def _quality(latched: bool) -> dict:
+def _described(quality: Quality) -> dict:
+    """A quality of service as rosbag2 tells it."""
     return {
-        "history": "keep_last", "depth": 1 if latched else 10, "reliability": "reliable",
-        "durability": "transient_local" if latched else "volatile", "deadline": _INFINITE, "lifespan": _INFINITE,
+        "history": "keep_last", "depth": quality.depth, "reliability": "reliable" if quality.reliable else "best_effort",
+        "durability": "transient_local" if quality.latched else "volatile", "deadline": _INFINITE, "lifespan": _INFINITE,
         "liveliness": "automatic", "liveliness_lease_duration": _INFINITE, "avoid_ros_namespace_conventions": False,
     }
 
@@ -70,16 +73,17 @@ class Recorder:
     def __exit__(self, *_) -> None:
         self.close()
 
-    def write(self, topic: str, message, stamp: int, latched: bool = False) -> None:
+    def write(self, topic: str, message, stamp: int) -> None:
         """Append a message.
 
-        Args: topic: absolute, or below `/`; message: of any ROS type; stamp: ns; latched: whether late readers want it.
+        Args: topic: absolute, or below `/`, of any name; one that ends as in `ros.topics` has the quality of service from there;
+            message: of any ROS type; stamp: ns.
         """
         data = serialize_message(message)
         with self._lock, self._one_line_errors():
             if self._failed:
                 raise self._failed
-            channel = self._channels.get(topic) or self._add_channel(topic, type(message), latched)
+            channel = self._channels.get(topic) or self._add_channel(topic, type(message))
             self._first, self._last = min(self._first, stamp), max(self._last, stamp)
             channel["count"] += 1
             self._writer.add_message(channel["id"], stamp, data, stamp, channel["count"])
@@ -121,6 +125,18 @@ class Recorder:
         self._ending.set()
         self._waiting.set()
         self._keeper.join()
+        with self._lock:
+            if not self._file.closed:
+                self._finish()
+
+    def close_for_good(self) -> None:
+        """End the recording from any thread of a process that ends: nobody writes any more, since the lock is kept."""
+        self._ending.set()
+        self._waiting.set()
+        if self._lock.acquire(timeout=_LAST_MESSAGE) and not self._file.closed:
+            self._finish()
+
+    def _finish(self) -> None:
         if not self._channels:
             self._file.close()
             if [path.name for path in self.directory.iterdir()] == [self._name]:
@@ -136,8 +152,9 @@ class Recorder:
             text = yaml.dump(self._metadata(), Dumper=_Plain, sort_keys=False)
             (self.directory / "metadata.yaml").write_text(text, encoding="utf-8")
 
-    def _add_channel(self, topic, message_type, latched):
-        name, quality = type_name(message_type), [_quality(latched)]
+    def _add_channel(self, topic, message_type):
+        entry = role_of(topic)
+        name, quality = type_name(message_type), [_described(entry.service if entry else EVENTS)]
         schema = self._writer.register_schema(name, "ros2msg", definition(name).encode())
         described = {"offered_qos_profiles": yaml.dump(quality, Dumper=_Plain, sort_keys=False), "topic_type_hash": type_hash(name)}
         number = self._writer.register_channel("/" + topic.lstrip("/"), "cdr", schema, described)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import os
+import shlex
 import sys
 from collections.abc import Callable
 
 from ..inputs import decimal, one_line, shown
-from ..kernels.jit import compiling
 from ..parameters import ParameterError
 
 
@@ -53,5 +54,19 @@ def warn(prog: str) -> Callable[[str], None]:
 
 def say_if_compiling(kernel_name: str) -> None:
     """Tell the user why a first run waits.  Args: kernel_name: module.function of the kernel that takes longest to compile."""
+    from ..kernels.jit import compiling  # it takes Numba
+
     if notice := compiling(kernel_name):
         print(notice, flush=True)
+
+
+def without_remarks() -> None:
+    """To be called before matplotlib is imported, which says on stderr where it keeps its fonts when there is no home."""
+    import logging
+
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
+
+
+def see_it(recording: str | os.PathLike) -> str:
+    """The line that says how a recording is seen, to be typed as it stands."""
+    return f"See it:   ros2 run evodevo_sim replay {shlex.quote(str(recording))}"

@@ -113,6 +113,14 @@ def cell_states_message(position, velocity, activation, step: int, stamp: float,
     )
 
 
+def actuation_message(activation, step: int, stamp: float, frame: str = "world") -> msg.Actuation:
+    """What the muscles are told to do in a control step.
+
+    Args: activation (N,) of e - c; step: control step that it drives; stamp: simulated s, at its end.
+    """
+    return msg.Actuation(header=Header(stamp=time_message(stamp), frame_id=frame), step=step, activation=_array("d", activation))
+
+
 def target_message(target, stamp: Time, frame: str = "world") -> PoseStamped:
     """A target.  Args: target: (x, y) m."""
     message = PoseStamped(header=Header(stamp=stamp, frame_id=frame))

@@ -38,7 +38,7 @@ class OwnSimulators:
         log = open(self._log_path or os.devnull, "ab")
         with log:
             for namespace in self.namespaces:
-                command = [sys.executable, "-m", "evodevo_sim.nodes.simulator", "--ros-args", "-r", f"__ns:={namespace}"]
+                command = [sys.executable, "-m", "evodevo_sim.commands.simulator", "--ros-args", "-r", f"__ns:={namespace}"]
                 command += ["-p", f"task:={self._task}"]
                 # A session of their own: Ctrl-C reaches us alone, and we end them in good order.
                 self._processes.append(

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..command_process import exit_code
 from .colours import ACCENT, INK, SECOND, THIRD, activation_colours
 from .files import OutputError, check
 from .palettes import DEFAULT
@@ -54,10 +55,10 @@ class LiveView:
         return self
 
     def __exit__(self, kind, *_) -> None:
-        """End the stream.  A viewer stays open until the user closes it."""
+        """End the stream.  A viewer stays open until the user closes it, or a signal asked us to end."""
         with self._stack:
             self._stream.disconnect()
-            if self._process and kind is None:
+            if self._process and kind is None and not exit_code():
                 print("Close the viewer to end.", flush=True)
                 self._process.wait()
 

@@ -84,7 +84,8 @@ def markdown(recording: Recording, life: Life, palette: str = DEFAULT) -> str:
         which = f"failed: those of generations {', '.join(failed)}." if failed else "failed."
         parts.append(f"**Audits:** {len(recording.audits)} champions, {len(failed) or 'none'} {which}")
     if recording.settings:
-        parts.append("## Settings\n\n" + _table(_numbers(recording.settings)))
+        rows = _numbers(recording.settings)
+        parts.append("## Settings\n\n" + _table({"scheme": "", **rows} | {"scheme": rows["scheme"] or "not recorded"}))
     return "\n\n".join(parts) + "\n"
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -10,6 +11,7 @@ from contextlib import contextmanager
 from importlib.util import find_spec
 from pathlib import Path
 
+from ..command_process import if_ended
 from ..recording import Recording
 from ..recording.life import Life
 from .files import OutputError
@@ -76,11 +78,22 @@ def opened(*arguments: str | os.PathLike):
         subprocess.run([program, "analytics", "disable"], env=environment, capture_output=True)
         viewer = subprocess.Popen([program, "--bind", "127.0.0.1", *arguments], env=environment)
         try:
-            yield viewer
+            with if_ended(lambda: _end(viewer, settings)):
+                yield viewer
         finally:
             if viewer.poll() is None:
                 viewer.terminate()
                 viewer.wait()
+
+
+def _end(viewer: subprocess.Popen, settings: str) -> None:
+    """End the viewer while another thread may wait for it, and remove its settings."""
+    viewer.terminate()
+    try:
+        viewer.wait(2.0)
+    except subprocess.TimeoutExpired:
+        viewer.kill()
+    shutil.rmtree(settings, ignore_errors=True)
 
 
 def show(path: str | os.PathLike) -> int:

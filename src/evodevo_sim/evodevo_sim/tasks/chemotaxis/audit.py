@@ -42,7 +42,8 @@ def _run(genome, task, seed, first, result, kept, way):
         found = attempt(genome, task, seed, placements(task), finer=way.finer, every=False)
     else:
         paths = result.paths.copy()
-        paths[: result.swims] = [motion.path for motion in motions[1:]]
+        for k, motion in enumerate(motions[1:]):
+            paths[k] = motion.path
         found = result._replace(path=motions[0].path, paths=paths)
     evaluation = score(found, task)
     ledger = tuple(np.sum([motion.ledger for motion in motions], axis=0).tolist())

@@ -1,0 +1,12 @@
+"""The command's entry point: see `evodevo_sim.commands.entry`."""
+
+from __future__ import annotations
+
+from evodevo_sim.command_process import command
+
+
+@command(code_of=lambda number: 130)  # a run that any signal ended early is the same: what was done is kept
+def evolve():
+    from .evolve_command import main
+
+    return main
