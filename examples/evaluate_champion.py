@@ -1,17 +1,17 @@
-"""Evaluate a shipped champion: fitness, status, metrics.  No ROS.
+"""Evaluate a champion: fitness, status, metrics.  No ROS.
 
-    python examples/evaluate_champion.py [GENOME]
+    python examples/evaluate_champion.py [NAME|GENOME.yaml]
 """
 
 import sys
-from pathlib import Path
 
-from evodevo_sim import Task, evaluate, load_genome
+from evodevo_sim import Task, champions, evaluate, load_champion, load_genome
 
-champions = Path(__file__).resolve().parents[1] / "src" / "evodevo_sim" / "champions"
-genome = load_genome(sys.argv[1] if len(sys.argv) > 1 else champions / "ribbon.yaml")
+name = sys.argv[1] if len(sys.argv) > 1 else "ribbon"
+genome = load_champion(name) if name in champions() else load_genome(name)
 
-evaluation = evaluate(genome, Task())
+task = Task()
+evaluation = evaluate(genome, task)
 metrics = evaluation.metrics
 print(f"{evaluation.status.name}: fitness {evaluation.fitness:.3f} m, {metrics.cells} cells, {metrics.chambers} chambers")
-print(f"it swims {metrics.distance:.2f} m in {Task().control_steps * Task().control_step:.1f} s")
+print(f"it swims {metrics.distance:.2f} m in {task.control_steps * task.control_step:.1f} s")

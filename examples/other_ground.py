@@ -1,21 +1,20 @@
-"""The same walker on flat and on rough ground, and in a body twice as stiff.  No ROS.
+"""The same walker on flat and on rough ground, and in a body a tenth softer.  No ROS.
 
     python examples/other_ground.py
 """
 
-from pathlib import Path
-
 from evodevo_sim.parameters import default_task, with_settings
 from evodevo_sim.worlds import with_world
 
-from evodevo_sim import evaluate, load_genome
+from evodevo_sim import evaluate, load_champion
 
-champions = Path(__file__).resolve().parents[1] / "src" / "evodevo_sim" / "champions"
-walker = load_genome(champions / "walker.yaml")
+walker = load_champion("walker")
 flat = with_settings(default_task("walk"), {"starts": 1, "control_steps": 600})
-
-for name, task in (
-    ("flat", flat), ("rough", with_world(flat, "rough")), ("stiffer", with_settings(flat, {"material.stiffness": 800.0})),
-):
+tasks = {
+    "flat": flat,
+    "rough": with_world(flat, "rough"),
+    "softer": with_settings(flat, {"material.stiffness": 0.9 * flat.material.stiffness}),
+}
+for name, task in tasks.items():
     evaluation = evaluate(walker, task)
     print(f"{name:8} {evaluation.status.name:8} {evaluation.metrics.distance:6.2f} m")

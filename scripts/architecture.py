@@ -21,6 +21,7 @@ FIGURE = ROOT / "docs" / "images" / "architecture.svg"
 ROOMS = (
     ("inputs", "how numbers are spelt and values shown; base of the errors about them", ""),
     ("text_file", "files that people write: YAML and JSON, read within limits", ""),
+    ("extras", "which extra of the package brings a library", ""),
     ("command_process", "the life of a command: signals, standard streams, exit code", ""),
     ("whole_file", "files written whole or not at all", ""),
     ("lazy", "packages that import what they offer when it is asked for", ""),

@@ -17,7 +17,7 @@ setup(
     ],
     install_requires=["numpy>=2", "evodevo_sim"],
     extras_require={
-        "ros": ["evodevo_sim[gaits,ros,view]", "psutil"],
+        "ros": ["evodevo_sim[gaits,ros]"],
         "test": ["pytest", "pytest-timeout", "hypothesis"],
     },
     python_requires=">=3.11",

@@ -9,7 +9,7 @@ setup(
     name=package_name,
     version=ElementTree.parse("package.xml").findtext("version"),
     packages=find_packages(exclude=["test"]),
-    package_data={package_name: ["ros/discovery.xml", "py.typed"]},
+    package_data={package_name: ["ros/discovery.xml", "py.typed", "champions/*.yaml"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
         (f"share/{package_name}", ["package.xml"]),
@@ -19,9 +19,12 @@ setup(
     install_requires=["numpy>=2", "numba", "PyYAML"],
     extras_require={
         "gaits": ["scipy"],
-        "view": ["matplotlib", "rerun-sdk", "rich", "tqdm"],
-        "ros": ["mcap", "mcap-ros2-support", "rosbags", "ros-jazzy-rclpy", "ros-jazzy-common-interfaces", "ros-jazzy-rmw-fastrtps-cpp"],
-        "test": ["pytest", "pytest-timeout", "hypothesis"],
+        "view": ["matplotlib", "rerun-sdk"],
+        "ros": [
+            "mcap", "mcap-ros2-support", "zstandard", "rich", "tqdm",
+            "ros-jazzy-rclpy>=7.1.4", "ros-jazzy-common-interfaces", "ros-jazzy-rmw-fastrtps-cpp",
+        ],
+        "test": ["pytest", "pytest-timeout", "hypothesis", "rosbags"],
     },
     python_requires=">=3.11",
     zip_safe=False,

@@ -20,8 +20,8 @@ __version__ = "0.1.0"
 
 __all__ = [
     "BodyError", "Development", "Evaluation", "Genome", "GenomeError", "Material", "Metrics", "Motion", "OwnBody",
-    "ParameterError", "Performance", "Scene", "Status", "Task", "evaluate", "load_body", "load_genome", "make_own_body",
-    "parse_genome", "perform", "random_genome", "save_genome", "simulate_body",
+    "ParameterError", "Performance", "Scene", "Status", "Task", "champions", "evaluate", "load_body", "load_champion", "load_genome",
+    "make_own_body", "parse_genome", "perform", "random_genome", "save_genome", "simulate_body",
 ]
 
 

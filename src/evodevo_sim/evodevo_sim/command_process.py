@@ -130,6 +130,15 @@ def _in_a_thread(load, reader: int, writer: int) -> int | str | BaseException:
                 came.append(load()(sys.argv[1:]))
         except SystemExit as error:
             came.append(0 if error.code is None else error.code)
+        except ModuleNotFoundError as error:
+            from .extras import lacking
+
+            told = lacking(error)
+            if told is error:
+                came.append(error)
+            else:
+                print(f"{load.__name__}: {told}", file=sys.stderr)
+                came.append(2)
         except BaseException as error:
             came.append(error)
         os.write(writer, b"\0")

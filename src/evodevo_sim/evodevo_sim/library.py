@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from .genetics.champions import champions, load_champion
 from .genetics.genome import Genome, GenomeError, random_genome
 from .genetics.genome_file import load_genome, parse_genome, save_genome
 from .own_body.body_file import BodyError, OwnBody, load_body, make_own_body
@@ -12,6 +13,6 @@ from .tasks.outcome import Evaluation, Metrics, Status
 
 __all__ = [
     "BodyError", "Development", "Evaluation", "Genome", "GenomeError", "Material", "Metrics", "Motion", "OwnBody",
-    "ParameterError", "Performance", "Scene", "Status", "Task", "evaluate", "load_body", "load_genome", "make_own_body",
-    "parse_genome", "perform", "random_genome", "save_genome", "simulate_body",
+    "ParameterError", "Performance", "Scene", "Status", "Task", "champions", "evaluate", "load_body", "load_champion", "load_genome",
+    "make_own_body", "parse_genome", "perform", "random_genome", "save_genome", "simulate_body",
 ]

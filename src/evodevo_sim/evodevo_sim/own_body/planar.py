@@ -26,26 +26,53 @@ def _close(position, coordinates=1) -> float:
     return max(_CLOSE * _extent(position), 2.0 * rounding(position) * coordinates**0.5)
 
 
+def _along(position: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Cells in the order of a coordinate along a slanted line: (their numbers (N,), that coordinate (N,) m, positions (N, 2) m).
+
+    The coordinates of two cells differ by no more than the cells are apart.
+    """
+    centred = position - position.mean(0)
+    along = centred @ (0.8, 0.6)
+    order = np.argsort(along, kind="stable")
+    return order, along[order], centred[order]
+
+
+def _least_distance(position: np.ndarray) -> float:
+    """m, of any two cells."""
+    _, along, centred = _along(position)
+    least = np.inf
+    for k in range(1, len(along)):  # each cell with the k-th after it
+        if (along[k:] - along[:-k]).min() > least:  # and so for any larger k
+            break
+        least = min(least, float(np.hypot(*(centred[k:] - centred[:-k]).T).min()))
+    return least
+
+
 def too_far(position: np.ndarray) -> tuple[float, float] | None:
     """Where coordinates are too large to hold the shape: (least distance of two cells, largest coordinate), m; or None."""
-    from scipy.spatial import cKDTree  # a third of a second that others need not wait
-
     if len(position) < 2:
         return None
-    least = float(cKDTree(position - position.mean(0)).query(position - position.mean(0), 2)[0][:, 1].min())
+    least = _least_distance(position)
     return (least, float(np.abs(position).max())) if rounding(position) > _COARSE * least else None
 
 
 def coincident(position: np.ndarray) -> tuple[int, int] | None:
     """Two cells at one point, the first such pair."""
-    from scipy.spatial import cKDTree  # a third of a second that others need not wait
-
-    tree, near = cKDTree(position), _CLOSE * _extent(position)
-    crowded = np.flatnonzero(tree.query_ball_point(position, near, return_length=True) > 1)
-    if not len(crowded):
+    order, along, _ = _along(position)
+    near, crowded = _CLOSE * _extent(position), np.zeros(len(position), bool)
+    for k in range(1, len(order)):
+        candidates = np.flatnonzero(along[k:] - along[:-k] <= 1.001 * near)  # rounding adds less than that
+        if not len(candidates):
+            break
+        first, second = order[candidates], order[candidates + k]
+        close = np.hypot(*(position[first] - position[second]).T) <= near
+        crowded[first[close]] = crowded[second[close]] = True
+    if not crowded.any():
         return None
-    first = int(crowded[0])
-    return first, min(cell for cell in tree.query_ball_point(position[first], near) if cell != first)
+    one = int(crowded.argmax())
+    others = np.hypot(*(position - position[one]).T) <= near
+    others[one] = False
+    return one, int(others.argmax())
 
 
 def collinear(position: np.ndarray) -> bool:

@@ -12,10 +12,15 @@
 `schema` whether a type is ours, and `older` what another version of it lacks; `ordering` puts messages in the order of time.
 """
 
-from .definitions import RecordingError
-from .performance import record_performance
-from .reader import Recording, read_recording
-from .storage import is_recording
-from .writer import Recorder
+from ..extras import lacking
+
+try:
+    from .definitions import RecordingError
+    from .performance import record_performance
+    from .reader import Recording, read_recording
+    from .storage import is_recording
+    from .writer import Recorder
+except ModuleNotFoundError as error:
+    raise lacking(error) from None
 
 __all__ = ["Recorder", "Recording", "RecordingError", "is_recording", "read_recording", "record_performance"]

@@ -5,7 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy import ndimage
+
+from ...extras import lacking
+
+try:
+    from scipy import ndimage
+except ModuleNotFoundError as error:
+    raise lacking(error) from None
 
 _PIXEL, _MOST_PIXELS = 0.05, 1000  # m, of the raster in which limbs are found; along a side
 _REACH = 0.6  # m around a cell's centre that belong to the body

@@ -5,9 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize
 
+from ...extras import lacking
 from .frame import BodyFrame, stations
+
+try:
+    from scipy.optimize import minimize
+except ModuleNotFoundError as error:
+    raise lacking(error) from None
 
 _MOST = np.pi  # rad/m: half a period between two cells
 _GRID = 121  # gradients tried along each axis, an odd number

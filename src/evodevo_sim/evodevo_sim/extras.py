@@ -1,0 +1,21 @@
+"""What is installed only with an extra: the line that says which."""
+
+from __future__ import annotations
+
+_EXTRAS = {
+    "scipy": "gaits",
+    "matplotlib": "view", "mpl_toolkits": "view", "rerun": "view", "rerun_cli": "view", "rerun_bindings": "view",
+    "mcap": "ros", "mcap_ros2": "ros", "zstandard": "ros", "rich": "ros", "tqdm": "ros",
+    "rclpy": "ros", "ament_index_python": "ros", "builtin_interfaces": "ros", "geometry_msgs": "ros", "rcl_interfaces": "ros",
+    "std_msgs": "ros", "std_srvs": "ros",
+}
+
+
+def lacking(error: ModuleNotFoundError) -> ModuleNotFoundError:
+    """The same error with the line that says what to install; as it is where no extra of ours would bring the module."""
+    name = (error.name or "").partition(".")[0]
+    if name == "evodevo_msgs":
+        return ModuleNotFoundError("evodevo_msgs is not installed: build it with colcon, as README tells", name=error.name)
+    if name not in _EXTRAS:
+        return error
+    return ModuleNotFoundError(f"{name} is not installed: pip install 'evodevo_sim[{_EXTRAS[name]}]'", name=error.name)
