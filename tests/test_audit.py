@@ -11,7 +11,7 @@ from evodevo_sim.parameters import default_task, with_settings
 from evodevo_sim.recording import Recorder
 from evodevo_sim.recording.champion import champion_of
 from evodevo_sim.tasks.audit import audit
-from genomes import pulsing
+from genomes import beating, pulsing
 
 from evodevo_sim import Task, evaluate, perform, save_genome
 
@@ -27,6 +27,23 @@ def genome():
 def test_samples_are_of_the_physics_that_is(name):
     champion = champion_of(Path(__file__).parents[1] / "bags" / name, {})
     assert evaluate(champion.genome, champion.task, champion.seed).fitness == pytest.approx(champion.fitness, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ["swim", "walk", "chemotaxis"])
+def test_any_number_of_finer_steps_runs_the_kernel_that_evaluations_compiled(name):
+    from inspect import signature
+
+    from evodevo_sim.tasks.chemotaxis.kernel import trials
+    from evodevo_sim.tasks.swim.kernel import swim
+    from evodevo_sim.tasks.walk.kernel import walk
+    from numba import float64
+
+    task = with_settings(default_task(name), {"control_steps": 8, "starts": 1, "settling_limit": 20})
+    kernel = {"swim": swim, "walk": walk, "chemotaxis": trials}[name]
+    steps = {finer: perform(beating(), task, finer=finer).evaluation.metrics.substeps for finer in (1, 1.5, 2, 2.0)}
+    assert steps[2] == steps[2.0] and (name != "walk" or steps[1.5] == np.ceil(1.5 * steps[1]))
+    place = list(signature(kernel.py_func).parameters).index("finer")
+    assert {found.args[place] for found in kernel.nopython_signatures} == {float64}
 
 
 def test_a_finer_run_differs_in_its_steps_alone(genome):

@@ -227,8 +227,11 @@ def test_a_field_that_a_later_version_adds_is_ignored_and_said(small, tmp_path, 
     assert code == 0 and err.count("\n") == 1
 
 
-def test_a_field_that_an_older_version_lacks_has_its_default_where_that_is_true(tmp_path):
-    """Settings of a task without its last field, which is that of all of the message's part: `settled_speed`."""
+@pytest.mark.parametrize("field, says", [
+    ("settled_speed", "Task.settled_speed is missing (its default is taken)"),  # the last field of all of the message's part
+    ("muscle_range", "Material.muscle_range is missing (its default is taken)"),  # the last one of a part within
+])
+def test_a_field_that_an_older_version_lacks_has_its_default_where_that_is_true(tmp_path, field, says):
     from evodevo_ga.messages import evolution_message
     from evodevo_ga.settings import Settings
     from mcap_ros2._dynamic import serialize_dynamic
@@ -236,12 +239,12 @@ def test_a_field_that_an_older_version_lacks_has_its_default_where_that_is_true(
     from evodevo_sim import Task
 
     name = "evodevo_msgs/msg/Evolution"
-    lacking = re.sub(r"^float64 settled_speed.*\n", "", rewriting.our_schema("Evolution"), flags=re.MULTILINE)
+    lacking = re.sub(rf"^float64 {field}.*\n", "", rewriting.our_schema("Evolution"), flags=re.MULTILINE)
     message = evolution_message(Settings(), Task(), 7)
     data = serialize_dynamic(name, lacking)[name](message)
     row = rewriting.Row("/evolution/settings", name, lacking, "", 1, data)
     found = read_recording(rewriting.write(tmp_path / "a.mcap", [row]))
-    assert found.settings == message and "Task.settled_speed is missing (its default is taken)" in found.notes[0]
+    assert found.settings == message and says in found.notes[0]
 
 
 @pytest.mark.parametrize("encoding, text", [("ros2idl", "module x {};"), ("", ""), ("ros2msg", "")])

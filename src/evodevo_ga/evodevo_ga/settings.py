@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from evodevo_sim.genetics.genome import HEADER, MAX_ELEMENTS
+from evodevo_sim.genetics.elements import HEADER
+from evodevo_sim.genetics.genome import MAX_ELEMENTS
 from evodevo_sim.parameters import Checked, parameter
 
 from evodevo_sim import ParameterError

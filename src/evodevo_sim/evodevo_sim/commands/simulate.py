@@ -12,7 +12,7 @@ import numpy as np
 from ..own_body.body_file import BodyError, load_body
 from ..own_body.motion import FRAME, SCENES, Motion, simulate_body
 from ..parameters import ParameterError
-from ..physics.stability import INTEGRATORS
+from ..physics.step_size import INTEGRATORS
 from ..recording import Recorder, RecordingError
 from ..ros.command_line import Parser, real_number, say_if_compiling
 from ..ros.messages import body_message, cell_states_message, scene_message

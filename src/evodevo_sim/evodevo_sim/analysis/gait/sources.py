@@ -58,7 +58,8 @@ def track_of_motion(own, motion, ground=None) -> Track:
     ground at all."""
     system = motion.system
     world = World(
-        float(1.0 / own.body.inverse_mass.mean()), *own.stuff, system.law.drag_normal, system.law.drag_tangential, system.gravity
+        float(1.0 / own.body.inverse_mass.mean()), *own.stuff, system.law.drag_normal, system.law.drag_tangential, system.gravity,
+        system.law.muscle_range,
     )
     return Track(
         motion.time, motion.position, motion.activation, velocity=motion.velocity, world=world,

@@ -6,7 +6,8 @@ import numpy as np
 
 from ...brain.controller import Controller
 from ...brain.scent import make_signals
-from ...genetics.genome import INPUT_NAMES, Genome
+from ...genetics.elements import INPUT_NAMES
+from ...genetics.genome import Genome
 from ...parameters import Task
 from ...plant.simulated import SwimmingBody
 from ..life import Model, birth
@@ -35,7 +36,7 @@ def begin(genome: Genome, task: Task, seed: int) -> tuple[int, Controller, Swimm
     return status, controller, SwimmingBody(life.state, controller.signals)
 
 
-def run(genome: Genome, task: Task, seed: int, finer: int, track, traces) -> Evaluation:
+def run(genome: Genome, task: Task, seed: int, finer: float, track, traces) -> Evaluation:
     """Evaluate a swimmer.  Args: finer, track, traces: see `swim.swim`; seed: of the noise, if there is any."""
     signals = make_signals(noise=task.noise.arguments(), seed=seed)
     return score(swim(*kernel_arguments(genome, task), finer, signals, track, traces), task)

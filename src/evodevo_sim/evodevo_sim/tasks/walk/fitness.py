@@ -37,7 +37,7 @@ def headings(seed, starts: int) -> np.ndarray:
     return np.column_stack((np.cos(angle), np.sin(angle)))
 
 
-def run(genome: Genome, task: Task, seed: int, finer: int, track, traces) -> Evaluation:
+def run(genome: Genome, task: Task, seed: int, finer: float, track, traces) -> Evaluation:
     """Evaluate a walker.  Args: seed: of its orientations at birth, and of noise; finer, track, traces: see `walk.walk`."""
     given, ledger = kernel_arguments(genome, task), np.zeros((task.starts, 0))
     return score(walk(*given, headings(seed, task.starts), finer, noise(task, seed), (track, traces), ledger), task)
@@ -91,7 +91,7 @@ def worse_half(earned) -> float:
 
 def fitness_by_start(genome: Genome, task: Task, directions) -> np.ndarray:
     """(S,) m: what a walker earns from each of these orientations (S, 2); nothing where it fails."""
-    result = walk(*kernel_arguments(genome, task), directions, 1, noise(task), NOT_KEPT, np.zeros((len(directions), 0)))
+    result = walk(*kernel_arguments(genome, task), directions, 1.0, noise(task), NOT_KEPT, np.zeros((len(directions), 0)))
     return start_fitness(result, task)
 
 
