@@ -17,9 +17,9 @@ from pathlib import Path
 
 import numpy as np
 from common import FULL, TINY, Figure, best, champion, main, plt, race, save, write_csv
-from evodevo_sim.brain.life import birth, develop
 from evodevo_sim.brain.scent import make_signals
 from evodevo_sim.parameters import default_task, with_settings
+from evodevo_sim.tasks.life import birth, develop
 from evodevo_sim.tasks.swim.fitness import kernel_arguments
 from evodevo_sim.tasks.swim.kernel import swim
 from kernels import many_accelerations, many_checks, many_regulations, mean_substeps

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from evodevo_sim.brain.life import develop
 from evodevo_sim.development.gabriel import gabriel_graph
 from evodevo_sim.genetics.elements import MORPHOGEN, OUTPUTS
 from evodevo_sim.genetics.regulation import activation
+from evodevo_sim.tasks.life import develop
 from evodevo_sim.tasks.swim.fitness import kernel_arguments
 from genomes import FAR, dividing, first_viable, hand_made, unit
 from hypothesis import given, settings
