@@ -107,7 +107,7 @@ def test_a_newborns_morphogen_reaches_others_after_its_delay():
     for steps in range(1, 60):
         arguments = kernel_arguments(genome, Task(development=Development(**shape, steps=steps)))
         none = np.empty((0, 0, 0)), np.empty((0, 0)), np.empty((0, 0, 0), np.int64)
-        _, units, embryo = develop(arguments[0], arguments[2], arguments[3], arguments[6], *none)
+        _, units, embryo = develop(*arguments, *none)
         t = steps - 1  # when the last step began
         if t < born:
             continue
