@@ -13,9 +13,10 @@ from collections import Counter
 
 import numpy as np
 from evodevo_sim.parameters import with_settings
-from evodevo_sim.physics.control_step import INVERTED, SOUND, UNSTABLE, advance
+from evodevo_sim.physics.control_step import advance
 from evodevo_sim.physics.forces import make_law, make_scratch, set_rest_lengths
-from evodevo_sim.physics.rates import choose_substeps, substeps_in_drag
+from evodevo_sim.physics.soundness import INVERTED, SOUND, UNSTABLE
+from evodevo_sim.physics.step_size import choose_substeps, substeps_in_drag
 from random_bodies import random_body
 from tqdm import tqdm
 
@@ -44,7 +45,7 @@ def live(body, sign, period, task, steps):
     position, velocity = body.position.T.copy(), np.zeros(body.position.T.shape)
     rest, scratch = body.rest_length.copy(), make_scratch(body)
     for k in range(steps):
-        set_rest_lengths(body, sign * (1.0 if k // (period // 2) % 2 else -1.0), rest)
+        set_rest_lengths(body, law, sign * (1.0 if k // (period // 2) % 2 else -1.0), rest)
         many = FINER * substeps_in_drag(body, law, position, velocity, task.control_step, substeps, scratch)
         outcome = advance(body, law, rest, position, velocity, task.control_step, many, scratch)
         if outcome != SOUND:

@@ -12,9 +12,10 @@ import argparse
 
 import numpy as np
 from evodevo_sim.parameters import with_settings
-from evodevo_sim.physics.control_step import SOUND, advance
+from evodevo_sim.physics.control_step import advance
 from evodevo_sim.physics.forces import make_law, make_scratch, set_rest_lengths
-from evodevo_sim.physics.rates import choose_substeps, substeps_in_drag
+from evodevo_sim.physics.soundness import SOUND
+from evodevo_sim.physics.step_size import choose_substeps, substeps_in_drag
 from evodevo_sim.ros.command_line import pairs
 
 from evodevo_sim import Task, load_genome, perform
@@ -25,7 +26,7 @@ def coast(performance, task: Task, step: int) -> float:
     body, law = performance.body, make_law(task.material.arguments(), task.scene.arguments())
     position, velocity = performance.position[step].T.copy(), performance.velocity[step].T.copy()
     rest, scratch = np.empty(body.rest_length.size), make_scratch(body)
-    set_rest_lengths(body, performance.activation[step].copy(), rest)
+    set_rest_lengths(body, law, performance.activation[step].copy(), rest)
     start, substeps = position.mean(axis=1), choose_substeps(body, law, task.control_step)
     for _ in range(step, task.control_steps):
         many = substeps_in_drag(body, law, position, velocity, task.control_step, substeps, scratch)

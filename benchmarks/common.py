@@ -14,7 +14,7 @@ import matplotlib
 import numpy as np
 from evodevo_sim.development.body import build_body
 from evodevo_sim.development.gabriel import adjacency, gabriel_graph
-from evodevo_sim.physics.forces import Law
+from evodevo_sim.physics.forces import Law, make_law
 from PIL import Image
 from rich.console import Console
 from rich.table import Table
@@ -39,7 +39,7 @@ def champion():
 
 def default_law() -> Law:
     material, scene = Material(), Scene()
-    return Law(material.stiffness, material.damping, material.pressure, scene.drag_normal, scene.drag_tangential)
+    return make_law(material.arguments(), scene.arguments())
 
 
 def body_of(position, mass=1.0):

@@ -103,7 +103,7 @@ def accuracy(genome, cells, rounds, horizon, finest):
     task = Task(development=Development(max_cells=cells))
     finer = [1, 1.25] + [2**k for k in range(1, int(np.log2(finest)) - 1)]
     arguments = kernel_arguments(genome, task)
-    seconds = best(race({f: lambda f=f: swim(*arguments, f, make_signals(), *NO_TRACK) for f in finer}, rounds, "accuracy"))
+    seconds = best(race({f: lambda f=f: swim(*arguments, float(f), make_signals(), *NO_TRACK) for f in finer}, rounds, "accuracy"))
     errors, substeps = errors_of(genome, task, finer, horizon, finest)
     return [
         {"cells": cells, "finer": f, "substeps": mean, "error": error, "milliseconds": 1e3 * seconds[f]}

@@ -7,11 +7,12 @@ from evodevo_sim.brain.scent import Signals
 from evodevo_sim.development.gabriel import follow
 from evodevo_sim.genetics.regulation import exchange, regulate
 from evodevo_sim.kernels.jit import kernel, lean
-from evodevo_sim.physics.control_step import advance, judge
+from evodevo_sim.physics.bounds import find_drag_rate
+from evodevo_sim.physics.control_step import advance
 from evodevo_sim.physics.forces import accelerations, set_rest_lengths
-from evodevo_sim.physics.integrators import carry, carry_adaptively, set_muscles
-from evodevo_sim.physics.rates import find_drag_rate, substeps_at_rate
-from evodevo_sim.physics.stability import ADAPTIVE
+from evodevo_sim.physics.integrators import State, carry, carry_adaptively, set_muscles
+from evodevo_sim.physics.soundness import judge
+from evodevo_sim.physics.step_size import ADAPTIVE, substeps_at_rate
 from evodevo_sim.tasks.life import Kept
 from evodevo_sim.tasks.swim.kernel import live
 
@@ -70,25 +71,23 @@ def travel(system, method, effort, step, intervals, position, velocity, work):
 
     Returns: force evaluations where they are counted, in adaptive steps; else 0.
     """
-    nothing = np.empty(0)
-    h, used = step / 8.0, 0
+    state, h, used = State(position, velocity, np.empty(0)), step / 8.0, 0
     for k in range(intervals):
         if method == ADAPTIVE:
-            _, h, now = carry_adaptively(system, k * step, step, effort, h, position, velocity, work, nothing)
+            _, h, now = carry_adaptively(system, k * step, step, effort, h, state, work)
             used += now
         else:
-            carry(system, method, k * step, step, int(effort), position, velocity, work, nothing)
+            carry(system, method, k * step, step, int(effort), state, work)
     return used
 
 
 @kernel
 def grows(system, method, h, chunks, chunk, position, most, work):
     """Whether a small displacement from rest outgrows `most` (m) within that many chunks of steps of h seconds."""
-    nothing = np.empty(0)
-    velocity = np.zeros_like(position)
+    state = State(position, np.zeros_like(position), np.empty(0))
     rest = system.body.position
     for _ in range(chunks):
-        carry(system, method, 0.0, h * chunk, chunk, position, velocity, work, nothing)
+        carry(system, method, 0.0, h * chunk, chunk, state, work)
         for i in range(position.shape[1]):
             if not abs(position[0, i] - rest[i, 0]) + abs(position[1, i] - rest[i, 1]) < most:
                 return True
@@ -119,7 +118,7 @@ def mean_substeps(life, steps, seconds, development, continual):
     find_drag_rate(body, law, state.position, state.velocity, scratch)
     for step in range(steps):
         think(brain, step, development, continual)
-        set_rest_lengths(body, brain.activation, state.rest)
+        set_rest_lengths(body, law, brain.activation, state.rest)
         substeps = int(np.ceil(state.finer * substeps_at_rate(seconds, state.substeps, scratch)))
         total += substeps
         advance(body, law, state.rest, state.position, state.velocity, seconds, substeps, scratch)

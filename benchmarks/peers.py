@@ -16,7 +16,7 @@ import numpy as np
 from common import Figure, body_of, main, scattered, write_csv
 from evodevo_sim.physics.forces import Law
 from evodevo_sim.physics.integrators import make_system, make_work
-from evodevo_sim.physics.stability import EULER
+from evodevo_sim.physics.step_size import EULER
 from kernels import travel
 from tqdm import tqdm
 
@@ -36,7 +36,7 @@ class Ours:
     pressure = 0.0
 
     def __init__(self, body):
-        self.system = make_system(body, Law(STIFFNESS, DAMPING, self.pressure, 0.0, 0.0), GRAVITY, FRICTION, True)
+        self.system = make_system(body, Law(STIFFNESS, DAMPING, self.pressure, 0.0, 0.0, 0.2), GRAVITY, FRICTION, True)
         self.position, self.work = body.position.T.copy(), make_work(body)
         self.velocity = np.zeros_like(self.position)
 

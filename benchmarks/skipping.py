@@ -16,7 +16,7 @@ from common import FULL, QUICK, STEP, TINY, Figure, best, champion, default_law,
 from evodevo_sim.genetics.regulation import DIVISION, express, prune
 from evodevo_sim.kernels.lanes import aligned
 from evodevo_sim.physics.integrators import make_system, make_work
-from evodevo_sim.physics.stability import EULER, RK4
+from evodevo_sim.physics.step_size import EULER, RK4
 from evodevo_sim.tasks.ends import OK
 from evodevo_sim.tasks.life import birth
 from evodevo_sim.tasks.swim.fitness import kernel_arguments

@@ -5,16 +5,17 @@
 
 Every point is a run of a small body at rest, displaced by 1e-7 m, in one method: it is unstable where that grows ten thousand
 times.  Lines: the step at which an eigenvalue of the linearised step leaves the unit circle (theory), and the longest step that
-`evodevo_sim.physics.stability` allows by its bounds, before its safety factor.
+`evodevo_sim.physics.step_size` allows by its bounds, before its safety factor.
 """
 
 from __future__ import annotations
 
 import numpy as np
 from common import TINY, Figure, body_of, main, plt, save, scattered, write_csv
+from evodevo_sim.physics.bounds import bounds
 from evodevo_sim.physics.forces import Law, accelerations, make_scratch
 from evodevo_sim.physics.integrators import make_system, make_work
-from evodevo_sim.physics.stability import EULER, INTEGRATORS, RK4, VERLET, bounds, longest_step
+from evodevo_sim.physics.step_size import EULER, INTEGRATORS, RK4, VERLET, longest_step
 from kernels import grows
 from tqdm import tqdm
 
@@ -29,7 +30,7 @@ SLACK = 1e-4  # of the spectral radius, for the eigenvalues of 1 of free motion,
 
 def system_of(body, **changes):
     values = {**BASE, **changes}
-    return make_system(body, Law(values["stiffness"], values["damping"], values["pressure"], 0.0, 0.0))
+    return make_system(body, Law(values["stiffness"], values["damping"], values["pressure"], 0.0, 0.0, 0.2))
 
 
 def linearised(system):

@@ -27,13 +27,25 @@ from concurrent.futures import ProcessPoolExecutor
 import numba
 import numpy as np
 from evodevo_sim.own_body.motion import _FINER
-from evodevo_sim.physics.control_step import INVERTED, SOUND, UNSTABLE, advance, settle
+from evodevo_sim.physics.bounds import bounds
+from evodevo_sim.physics.control_step import advance, settle
 from evodevo_sim.physics.energy import stored_energy
 from evodevo_sim.physics.forces import Law, make_scratch, set_rest_lengths
-from evodevo_sim.physics.integrators import carry_adaptively, make_system, make_work
-from evodevo_sim.physics.rates import MOST_SUBSTEPS, choose_substeps, substeps_in_drag
-from evodevo_sim.physics.replayed_motion import DOUBLINGS, MOST_STEPS, carry_soundly, follow
-from evodevo_sim.physics.stability import ADAPTIVE, EULER, INTEGRATORS, RK4, VERLET, bounds, choose_steps
+from evodevo_sim.physics.integrators import State, carry_adaptively, make_system, make_work
+from evodevo_sim.physics.ladder import MOST_DOUBLINGS, Ladder
+from evodevo_sim.physics.replayed_motion import MOST_STEPS, Frames, Method, carry_soundly, follow
+from evodevo_sim.physics.soundness import INVERTED, SOUND, UNSTABLE
+from evodevo_sim.physics.step_size import (
+    ADAPTIVE,
+    EULER,
+    INTEGRATORS,
+    MOST_SUBSTEPS,
+    RK4,
+    VERLET,
+    choose_steps,
+    choose_substeps,
+    substeps_in_drag,
+)
 from random_bodies import random_body, random_muscles, random_parameters
 from tqdm import tqdm
 
@@ -64,7 +76,7 @@ def stress(seed: int, case: int, beyond: bool) -> dict:
             row["swim"] = row["own"] = "coincident cells"
         else:
             row |= {"cells": len(body.position), "chambers": len(body.triangle_area) + len(body.polygon_area)}
-            law = Law(material["stiffness"], material["damping"], material["pressure"], scene["drag_normal"], scene["drag_tangential"])
+            law = Law(material["stiffness"], material["damping"], material["pressure"], scene["drag_normal"], scene["drag_tangential"], 0.2)
             row |= swim(rng, body, law, step, faults)
             row |= own(rng, body, law, step, faults)
     except Exception as error:  # any is a fault of the library, and the others go on
@@ -98,12 +110,12 @@ def _rounding(body, law) -> float:
 @numba.njit(error_model="numpy")
 def _swim(body, law, step, substeps, muscle, position, velocity, rest, scratch):
     """(outcome; energy that was there or that muscles put in and out; energy that came from nowhere), J."""
-    set_rest_lengths(body, muscle[0], rest)
+    set_rest_lengths(body, law, muscle[0], rest)
     settle(body, law, rest, position, velocity, 1e-3, SETTLE, scratch)
     now = sum(stored_energy(body, law, rest, 0.0, position, velocity))
     through, created = now, 0.0
     for k in range(muscle.shape[0] - 1):
-        set_rest_lengths(body, muscle[k + 1], rest)
+        set_rest_lengths(body, law, muscle[k + 1], rest)
         pushed = sum(stored_energy(body, law, rest, 0.0, position, velocity))
         through += abs(pushed - now)
         many = substeps_in_drag(body, law, position, velocity, step, substeps, scratch)
@@ -139,7 +151,9 @@ def own(rng, body, law, step, faults):
     time_ = np.arange(frames + 1) * seconds
     p, v = position.copy(), velocity.copy()
     track = np.full((2, frames + 1, cells, 2), np.nan)
-    outcome, reached, _ = follow(system, method, bound, 0, finer, tolerance, 0.0, time_, 0, frames, p, v, work, *track)
+    outcome, reached, _ = follow(
+        system, Method(method, 0, finer, tolerance), bound, 0.0, (0, frames), State(p, v, np.empty(0)), work, Frames(time_, *track)
+    )
     if outcome != SOUND:
         return row | {"own": "too many steps" if steps > 100_000 else NAMES[outcome]}
     if reached != frames or not np.isfinite(track[:, 1:]).all():
@@ -150,11 +164,11 @@ def own(rng, body, law, step, faults):
 def _ledger(system, method, bound, finer, tolerance, time_, position, velocity, end, faults):
     """The same once more with its energies, and with the momentum of a body that nothing outside acts on."""
     body, law, work, ledger, h = system.body, system.law, make_work(system.body), np.zeros(4), 0.0
-    mass = 1.0 / body.inverse_mass
+    mass, state = 1.0 / body.inverse_mass, State(position, velocity, ledger)
 
     def energy(t):
         if len(system.amplitude):
-            set_rest_lengths(body, system.amplitude * np.sin(2 * np.pi * system.frequency * t + system.phase), system.rest)
+            set_rest_lengths(body, law, system.amplitude * np.sin(2 * np.pi * system.frequency * t + system.phase), system.rest)
         return sum(stored_energy(body, law, system.rest, system.gravity, position, velocity))
 
     begin, pushed = energy(0.0), (mass * velocity).sum(1)
@@ -163,11 +177,11 @@ def _ledger(system, method, bound, finer, tolerance, time_, position, velocity, 
         seconds = time_[k + 1] - time_[k]
         if method == ADAPTIVE:
             h = h or seconds / choose_steps(system, RK4, bound, position, velocity, seconds)
-            _, h, evaluations = carry_adaptively(system, time_[k], seconds, tolerance, h, position, velocity, work, ledger)
+            _, h, evaluations = carry_adaptively(system, time_[k], seconds, tolerance, h, state, work)
             used += evaluations
         else:
-            count = finer * choose_steps(system, method, bound, position, velocity, seconds)
-            carry_soundly(system, method, time_[k], seconds, count, DOUBLINGS, position, velocity, work, ledger, MOST_STEPS)
+            count = int(np.ceil(finer * choose_steps(system, method, bound, position, velocity, seconds)))
+            carry_soundly(system, method, time_[k], seconds, count, Ladder(MOST_DOUBLINGS, MOST_STEPS), state, work)
         most = max(most, energy(time_[k + 1]))
     gap = energy(time_[-1]) - begin - ledger.sum()
     if method == ADAPTIVE:  # each step may be wrong by the tolerance in every place and speed

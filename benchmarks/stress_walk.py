@@ -18,12 +18,12 @@ import numpy as np
 from evodevo_sim.development.body import build_body
 from evodevo_sim.development.gabriel import adjacency, gabriel_graph
 from evodevo_sim.parameters import default_task
-from evodevo_sim.physics.control_step import SOUND, check
 from evodevo_sim.physics.energy import stored_energy
 from evodevo_sim.physics.forces import make_law, set_rest_lengths
 from evodevo_sim.physics.integrators import euler, make_system, make_work
+from evodevo_sim.physics.soundness import SOUND, check
+from evodevo_sim.physics.step_size import choose_walk_steps
 from evodevo_sim.physics.terrain import clearance, make_terrain
-from evodevo_sim.tasks.walk.kernel import choose_walk_steps
 from evodevo_sim.worlds import PRESETS, scene_of
 from tqdm import tqdm
 
@@ -42,7 +42,7 @@ def run(system, work, control_steps, control_step, position, velocity, driven, g
     steps = choose_walk_steps(system, control_step)
     h = control_step / steps
     muscle, target = np.zeros(p.shape[1]), np.zeros(p.shape[1])
-    set_rest_lengths(body, muscle, system.rest)
+    set_rest_lengths(body, system.law, muscle, system.rest)
     begin = np.array(stored_energy(body, system.law, system.rest, system.gravity, p, v)).sum()
     low, high, outcome, k = np.inf, np.inf, SOUND, 0
     scratch = work.scratch
@@ -54,7 +54,7 @@ def run(system, work, control_steps, control_step, position, velocity, driven, g
                 target[i] = gain * (2.0 * np.random.random() - 1.0)  # noqa: NPY002  (likewise)
             muscle[i] += 0.3 * (target[i] - muscle[i])
         if driven:
-            set_rest_lengths(body, muscle, system.rest)
+            set_rest_lengths(body, system.law, muscle, system.rest)
         ledger[0] += stored_energy(body, system.law, system.rest, system.gravity, then, v)[1] - before
         scratch.start_position[:], scratch.start_velocity[:] = p, v
         kept = ledger.copy()

@@ -14,9 +14,10 @@ from __future__ import annotations
 
 import numpy as np
 from common import FULL, STEP, TINY, Figure, best, main, plt, race, save, slab, write_csv
+from evodevo_sim.physics.bounds import bounds
 from evodevo_sim.physics.forces import Law
 from evodevo_sim.physics.integrators import make_system, make_work
-from evodevo_sim.physics.stability import ADAPTIVE, EULER, INTEGRATORS, RK4, VERLET, bounds
+from evodevo_sim.physics.step_size import ADAPTIVE, EULER, INTEGRATORS, RK4, VERLET
 from kernels import travel
 from matplotlib.ticker import NullFormatter
 from outsiders import OUTSIDERS, outside, reference
@@ -41,7 +42,7 @@ def make_scene(name, columns, rows):
     ones = np.ones(len(body.position))
     drive = 0.4 * ones, ones, -body.position[:, 0]
     walks = {"gravity": 9.81, "friction": 0.8, "ground": True} if name == "walk" else {}
-    return make_system(body, Law(stiffness, damping, stiffness, across, along), drive=drive, **walks)
+    return make_system(body, Law(stiffness, damping, stiffness, across, along, 0.2), drive=drive, **walks)
 
 
 def run(effort, out):

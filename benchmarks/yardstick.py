@@ -21,10 +21,11 @@ import numpy as np
 from evodevo_sim.development.body import build_body
 from evodevo_sim.development.gabriel import adjacency, gabriel_graph
 from evodevo_sim.parameters import with_settings
-from evodevo_sim.physics.control_step import SOUND, advance, settle
+from evodevo_sim.physics.control_step import advance, settle
 from evodevo_sim.physics.forces import make_law, make_scratch, set_rest_lengths
 from evodevo_sim.physics.mass import centre_of_mass
-from evodevo_sim.physics.rates import choose_substeps, substeps_in_drag
+from evodevo_sim.physics.soundness import SOUND
+from evodevo_sim.physics.step_size import choose_substeps, substeps_in_drag
 from evodevo_sim.plant.simulated import SETTLE_LIMIT, SETTLE_TOLERANCE
 from evodevo_sim.ros.command_line import pairs
 from tqdm import tqdm
@@ -53,7 +54,7 @@ def ride(body, material, scene, steps, control_step, gain, phase, period):
     cells = gain.size
     position, velocity, scratch = body.position.T.copy(), np.zeros((2, cells)), make_scratch(body)
     muscle, rest = gain * np.cos(phase), np.empty(body.rest_length.size)
-    set_rest_lengths(body, muscle, rest)
+    set_rest_lengths(body, law, muscle, rest)
     settle(body, law, rest, position, velocity, SETTLE_TOLERANCE, SETTLE_LIMIT, scratch)
     substeps = choose_substeps(body, law, control_step)
     x0, y0 = centre_of_mass(position, body.inverse_mass)
@@ -63,7 +64,7 @@ def ride(body, material, scene, steps, control_step, gain, phase, period):
             xh, yh = centre_of_mass(position, body.inverse_mass)
         for i in range(cells):
             muscle[i] = gain[i] * np.cos(2.0 * np.pi * (step + 1) / period - phase[i])
-        set_rest_lengths(body, muscle, rest)
+        set_rest_lengths(body, law, muscle, rest)
         many = substeps_in_drag(body, law, position, velocity, control_step, substeps, scratch)
         if advance(body, law, rest, position, velocity, control_step, many, scratch) != SOUND:
             return np.nan, np.nan

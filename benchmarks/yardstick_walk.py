@@ -21,13 +21,13 @@ import numpy as np
 from evodevo_sim.development.body import build_body
 from evodevo_sim.development.gabriel import adjacency, gabriel_graph
 from evodevo_sim.parameters import default_task, with_settings
-from evodevo_sim.physics.control_step import SOUND, check
 from evodevo_sim.physics.forces import make_law, set_rest_lengths
 from evodevo_sim.physics.integrators import euler, make_system, make_work
 from evodevo_sim.physics.mass import centre_of_mass
+from evodevo_sim.physics.soundness import SOUND, check
+from evodevo_sim.physics.step_size import choose_walk_steps
 from evodevo_sim.physics.terrain import make_terrain
 from evodevo_sim.ros.command_line import pairs
-from evodevo_sim.tasks.walk.kernel import choose_walk_steps
 from tqdm import tqdm
 
 PERIODS = (15, 20, 30, 40, 50, 60, 80, 100, 140, 200)  # control steps
@@ -67,7 +67,7 @@ def ride(system, work, steps, settling, control_step, gain, phase, period):
     body, cells = system.body, gain.size
     position, velocity, nothing = body.position.T.copy(), np.zeros((2, cells)), np.empty(0)
     muscle, rest = gain * np.cos(phase), system.rest
-    set_rest_lengths(body, muscle, rest)
+    set_rest_lengths(body, system.law, muscle, rest)
     substeps = choose_walk_steps(system, control_step)
     h = control_step / substeps
     x = np.full(3, np.nan)
@@ -77,7 +77,7 @@ def ride(system, work, steps, settling, control_step, gain, phase, period):
         if step >= 0:
             for i in range(cells):
                 muscle[i] = gain[i] * np.cos(2.0 * np.pi * (step + 1) / period - phase[i])
-            set_rest_lengths(body, muscle, rest)
+            set_rest_lengths(body, system.law, muscle, rest)
         else:
             velocity *= 1.0 - 2.0 * control_step
         for _ in range(substeps):

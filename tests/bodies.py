@@ -4,13 +4,13 @@ import numpy as np
 from evodevo_sim.development.body import build_body
 from evodevo_sim.development.gabriel import adjacency, gabriel_graph
 from evodevo_sim.physics.forces import Law, accelerations, make_scratch
-from evodevo_sim.physics.integrators import carry, carry_adaptively, make_system, make_work
-from evodevo_sim.physics.stability import ADAPTIVE
+from evodevo_sim.physics.integrators import State, carry, carry_adaptively, make_system, make_work
+from evodevo_sim.physics.step_size import ADAPTIVE
 
 STEP = 1 / 60  # s, of control
 NO_LEDGER = np.zeros(0)
-LAW = Law(400.0, 10.0, 400.0, 100.0, 0.5)
-ALONE = Law(400.0, 0.0, 400.0, 0.0, 0.0)
+LAW = Law(400.0, 10.0, 400.0, 100.0, 0.5, 0.2)
+ALONE = Law(400.0, 0.0, 400.0, 0.0, 0.0, 0.2)
 SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
 # Of four and five corners, with a tail outside and one inside.
 POLYGONS = [(0, 0), (2, 0), (2, 2), (0, 2), (3, 3), (0.7, 0.8), (4, 1)]
@@ -75,13 +75,13 @@ def go(system, method, steps, intervals, position=None, velocity=None, interval=
     """Run from a state (2, N), or from rest.  Args: steps: in an interval, or the tolerance.  Returns: (position, velocity)."""
     p = (system.body.position.T if position is None else position).copy()
     v = np.zeros_like(p) if velocity is None else velocity.copy()
-    work, h = make_work(system.body), interval / 10
+    state, work, h = State(p, v, ledger), make_work(system.body), interval / 10
     for k in range(intervals):
         if method == ADAPTIVE:
-            outcome, h, _ = carry_adaptively(system, k * interval, interval, steps, h, p, v, work, ledger)
+            outcome, h, _ = carry_adaptively(system, k * interval, interval, steps, h, state, work)
             assert outcome == 0
         else:
-            carry(system, method, k * interval, interval, steps, p, v, work, ledger)
+            carry(system, method, k * interval, interval, steps, state, work)
     return p, v
 
 

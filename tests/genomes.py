@@ -1,7 +1,7 @@
 """Genomes for tests: random ones as hypothesis strategies, and small hand-made ones whose lives are known."""
 
 import numpy as np
-from evodevo_sim.genetics.genome import HEADER, HEADER_NAMES, REGULATORY, SPECIAL, TRANSCRIPTION_FACTOR
+from evodevo_sim.genetics.elements import HEADER, HEADER_NAMES, REGULATORY, SPECIAL, TRANSCRIPTION_FACTOR
 from hypothesis import strategies as st
 
 from evodevo_sim import Genome, random_genome

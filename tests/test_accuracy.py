@@ -10,7 +10,7 @@ from evodevo_sim.parameters import with_settings
 from evodevo_sim.physics.control_step import settle
 from evodevo_sim.physics.forces import Law, make_scratch
 from evodevo_sim.physics.integrators import make_system
-from evodevo_sim.physics.stability import RK4
+from evodevo_sim.physics.step_size import RK4
 from evodevo_sim.tasks.outcome import Status
 from genomes import pulsing
 from scipy.optimize import brentq
@@ -34,7 +34,7 @@ class Ring:
         edges = [(i, i + 1) for i in range(cells - 1)] + [(0, cells - 1)]
         self.radius, self.mass, self.half = 2.0, mass, np.pi / cells
         self.body, self.share = body_of(self.radius * self.circle.T, edges, mass), share
-        self.law = Law(stiffness, 0.0, pressure, 0.0, 0.0)
+        self.law = Law(stiffness, 0.0, pressure, 0.0, 0.0, 0.2)
         self.stretch = brentq(self.force, share, 1.0, xtol=1e-15)
         sin, cos = np.sin(self.half), np.cos(self.half)
         slope = 2 * stiffness * sin - pressure * cos * (1 - 3 * self.stretch**2)

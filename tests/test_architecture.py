@@ -39,6 +39,34 @@ def test_rooms_below_the_edge_import_nothing_of_ros():
             assert not {name.partition(".")[0] for name in names} & EDGE_LIBRARIES, file
 
 
+def wide(source: str, most: int = 8) -> list[tuple[str, int]]:
+    """Functions of a file that take more than so many positional arguments, each with their number; self, cls and the context that numba
+    hands to an intrinsic are given by nobody who calls."""
+    found = []
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)):
+            names = [item.arg for item in (*node.args.posonlyargs, *node.args.args)]
+            intrinsic = any(getattr(mark, "id", "") == "intrinsic" for mark in getattr(node, "decorator_list", ()))
+            count = len(names) - (names[:1] in (["self"], ["cls"]) or intrinsic)
+            if count > most:
+                found.append((getattr(node, "name", "lambda"), count))
+    return found
+
+
+def test_no_function_takes_more_than_eight_positional_arguments():
+    files = [file for folder in ("src", "scripts", "examples") for file in (ROOT / folder).rglob("*.py")]
+    found = {str(file.relative_to(ROOT)): wide(file.read_text(encoding="utf-8")) for file in files}
+    assert len(found) > 100 and not {file: functions for file, functions in found.items() if functions}
+
+
+def test_a_function_of_nine_arguments_is_seen():
+    nine = ", ".join("abcdefghi")
+    assert wide(f"@kernel\ndef f({nine}): pass\nclass A:\n    def g(self, {nine}): pass\nh = lambda {nine}: 0") == [
+        ("f", 9), ("g", 9), ("lambda", 9),
+    ]
+    assert wide("def f(a, b, c, d, e, f, g, h, *, i): pass\n@intrinsic\ndef k(typing, a, b, c, d, e, f, g, h): pass") == []
+
+
 def test_an_evaluation_loads_none_of_the_edge():
     code = (
         "import sys; from evodevo_sim import Task, evaluate, load_genome, perform\n"

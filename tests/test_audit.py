@@ -11,7 +11,7 @@ from evodevo_sim.parameters import default_task, with_settings
 from evodevo_sim.recording import Recorder
 from evodevo_sim.recording.champion import champion_of
 from evodevo_sim.tasks.audit import audit
-from genomes import pulsing
+from genomes import beating, pulsing
 
 from evodevo_sim import Task, evaluate, perform, save_genome
 
@@ -27,6 +27,23 @@ def genome():
 def test_samples_are_of_the_physics_that_is(name):
     champion = champion_of(Path(__file__).parents[1] / "bags" / name, {})
     assert evaluate(champion.genome, champion.task, champion.seed).fitness == pytest.approx(champion.fitness, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ["swim", "walk", "chemotaxis"])
+def test_any_number_of_finer_steps_runs_the_kernel_that_evaluations_compiled(name):
+    from inspect import signature
+
+    from evodevo_sim.tasks.chemotaxis.kernel import trials
+    from evodevo_sim.tasks.swim.kernel import swim
+    from evodevo_sim.tasks.walk.kernel import walk
+    from numba import float64
+
+    task = with_settings(default_task(name), {"control_steps": 8, "starts": 1, "settling_limit": 20})
+    kernel = {"swim": swim, "walk": walk, "chemotaxis": trials}[name]
+    steps = {finer: perform(beating(), task, finer=finer).evaluation.metrics.substeps for finer in (1, 1.5, 2, 2.0)}
+    assert steps[2] == steps[2.0] and (name != "walk" or steps[1.5] == np.ceil(1.5 * steps[1]))
+    place = list(signature(kernel.py_func).parameters).index("finer")
+    assert {found.args[place] for found in kernel.nopython_signatures} == {float64}
 
 
 def test_a_finer_run_differs_in_its_steps_alone(genome):
@@ -57,7 +74,7 @@ def test_a_fitness_that_changes_more_than_asked_does_not_stand(genome):
 def test_a_quick_audit_finds_the_same_in_much_fewer_steps(genome):
     task = with_settings(Task(), SHORT)
     whole, quick = audit(genome, task), audit(genome, task, quick=True)
-    assert quick.stands and quick.runs[0] == whole.runs[0] and not any(run.ledger for run in quick.runs[1:])
+    assert quick.stands and dataclasses.astuple(quick.runs[0]) == dataclasses.astuple(whole.runs[0]) and not any(run.ledger for run in quick.runs[1:])
     for a, b in zip(whole.runs[1:], quick.runs[1:]):
         assert b.fitness == pytest.approx(a.fitness, rel=1e-4) and b.chamber == pytest.approx(a.chamber, rel=1e-4)
 

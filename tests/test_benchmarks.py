@@ -71,12 +71,12 @@ def test_other_bits_are_refused():
 
 def test_the_theory_of_a_step_is_that_of_two_masses_on_a_spring():
     from common import body_of
-    from evodevo_sim.physics.control_step import Law
+    from evodevo_sim.physics.forces import Law
     from evodevo_sim.physics.integrators import make_system
-    from evodevo_sim.physics.stability import EULER, RK4, VERLET
+    from evodevo_sim.physics.step_size import EULER, RK4, VERLET
     from stability_maps import limit, linearised
 
-    k, c = linearised(make_system(body_of(np.array([(0.0, 0.0), (1.0, 0.0)])), Law(50.0, 0.0, 0.0, 0.0, 0.0)))
+    k, c = linearised(make_system(body_of(np.array([(0.0, 0.0), (1.0, 0.0)])), Law(50.0, 0.0, 0.0, 0.0, 0.0, 0.2)))
     for method, most in ((EULER, 2.0), (VERLET, 2.0), (RK4, 2.828)):  # h w, of w = sqrt(2 k / m) = 10
         assert limit(method, k, c, 0.01, 1.0) == pytest.approx(most / 10.0, rel=2e-3)
 

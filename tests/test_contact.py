@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 from bodies import NO_LEDGER, STEP, body_of, random_body, slab, wave
+from evodevo_sim.physics.bounds import bounds
 from evodevo_sim.physics.contact import meet_tips
 from evodevo_sim.physics.energy import stored_energy
 from evodevo_sim.physics.forces import Law
 from evodevo_sim.physics.integrators import euler, make_system, make_work
-from evodevo_sim.physics.stability import bounds, longest_step
+from evodevo_sim.physics.step_size import longest_step
 from evodevo_sim.physics.terrain import FLAT, clearance, contacts, make_terrain, touching
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -15,8 +16,8 @@ from hypothesis import strategies as st
 from evodevo_sim import Scene
 
 H = STEP / 4  # the default step of walking
-LAW = Law(400.0, 10.0, 400.0, 0.0, 0.0)
-STIFF = Law(20_000.0, 100.0, 20_000.0, 0.0, 0.0)  # nearly the rigid block of the closed form
+LAW = Law(400.0, 10.0, 400.0, 0.0, 0.0, 0.2)
+STIFF = Law(20_000.0, 100.0, 20_000.0, 0.0, 0.0, 0.2)  # nearly the rigid block of the closed form
 G = 9.81
 RADIUS = 0.5  # m, of a cell
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from evodevo_sim.development.gabriel import gabriel_graph
-from evodevo_sim.genetics.genome import MORPHOGEN, OUTPUTS
+from evodevo_sim.genetics.elements import MORPHOGEN, OUTPUTS
 from evodevo_sim.genetics.regulation import activation
 from evodevo_sim.tasks.life import develop
 from evodevo_sim.tasks.swim.fitness import kernel_arguments

@@ -6,7 +6,7 @@ from evodevo_ga.arguments import parse
 from evodevo_ga.feasible import check
 from evodevo_sim.parameters import with_settings
 from evodevo_sim.physics.forces import make_law
-from evodevo_sim.physics.rates import choose_substeps
+from evodevo_sim.physics.step_size import choose_substeps
 from genomes import first_viable
 
 from evodevo_ga import Settings, scheme

@@ -194,8 +194,9 @@ def test_an_edge_on_a_tip_is_no_flight():
     assert analyse(track).gait.flight == pytest.approx(0.5, abs=0.01)
 
 
-def test_work_is_that_of_the_ledger():
-    task = with_settings(Task(), {"control_steps": 400})
+@pytest.mark.parametrize("muscle_range", [0.2, 0.25])
+def test_work_is_that_of_the_ledger(muscle_range):
+    task = with_settings(Task(), {"control_steps": 400, "material.muscle_range": muscle_range})
     genome = pulsing()
     work = work_of(track_of_performance(perform(genome, task), task))
     muscle, drag, damping, _ = audit(genome, task).runs[0].ledger
@@ -208,7 +209,7 @@ def test_drag_of_a_bar_that_is_drawn_across():
     time = np.linspace(0, 2, 100)
     position = np.array([(0.0, 0.0), (1.5, 0.0)]) + np.stack((0 * time, 0.7 * time), axis=-1)[:, None]
     body = body_of([(0, 0), (1.5, 0)])
-    track = Track(time, position, np.zeros((100, 2)), world=World(1.0, 400.0, 10.0, 400.0, 40.0, 0.2), **parts_of_body(body))
+    track = Track(time, position, np.zeros((100, 2)), world=World(1.0, 400.0, 10.0, 400.0, 40.0, 0.2, muscle_range=0.2), **parts_of_body(body))
     work = work_of(track)
     assert work.drag == pytest.approx(-40.0 * 1.5 * 0.7**3 * 2, rel=1e-6)
     assert work.muscle == 0.0 and work.damping == pytest.approx(0.0, abs=1e-12) and work.gain == pytest.approx(0.0, abs=1e-9)

@@ -4,7 +4,7 @@ import contextlib
 
 import numpy as np
 import pytest
-from evodevo_sim.genetics.genome import HEADER
+from evodevo_sim.genetics.elements import HEADER
 from evodevo_sim.genetics.genome_file import genome_text
 from genomes import hand_made, random_genomes
 from hypothesis import given

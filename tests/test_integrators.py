@@ -3,21 +3,13 @@
 import numpy as np
 import pytest
 from bodies import ALONE, LAW, NO_LEDGER, STEP, accelerations_of, body_of, chain, go, rotation, slab, wave
-from evodevo_sim.physics.control_step import INVERTED, SOUND, UNSTABLE
+from evodevo_sim.physics.bounds import bounds, drag_rate
 from evodevo_sim.physics.forces import Law
-from evodevo_sim.physics.integrators import carry, make_system, make_work, set_muscles
-from evodevo_sim.physics.rates import drag_rate
+from evodevo_sim.physics.integrators import State, carry, make_system, make_work, set_muscles
+from evodevo_sim.physics.ladder import Ladder
 from evodevo_sim.physics.replayed_motion import carry_soundly
-from evodevo_sim.physics.stability import (
-    ADAPTIVE,
-    EULER,
-    INTEGRATORS,
-    RK4,
-    VERLET,
-    bounds,
-    choose_steps,
-    longest_step,
-)
+from evodevo_sim.physics.soundness import INVERTED, SOUND, UNSTABLE
+from evodevo_sim.physics.step_size import ADAPTIVE, EULER, INTEGRATORS, RK4, VERLET, choose_steps, longest_step
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
@@ -48,7 +40,7 @@ def driven(t, k=40.0, c=1.0, mass=2.0, amplitude=0.5, frequency=0.6, phase=0.4):
 
 
 def length_after(method, steps, drive, intervals=90):
-    law = Law(40.0, 1.0, 0.0, 0.0, 0.0)
+    law = Law(40.0, 1.0, 0.0, 0.0, 0.0, 0.2)
     drive = (np.full(2, 0.5), np.full(2, 0.6), np.full(2, 0.4)) if drive else None
     system, position, velocity = chain(1.0 if drive else 1.3, np.zeros((2, 2)), law, drive, mass=2.0)
     p, _ = go(system, method, steps, intervals, position, velocity)
@@ -76,7 +68,7 @@ def test_the_adaptive_pair_meets_the_closed_form_to_its_tolerance(drive):
 @pytest.mark.parametrize("method, steps", [(EULER, 64), (VERLET, 16), (RK4, 4), (ADAPTIVE, 1e-10)], ids=INTEGRATORS)
 def test_speed_across_a_bar_decays_as_drag_says(method, steps):
     # A rigid bar of 2 kg and length 1 that moves across itself: 2 v' = -d v^2, so v = v0 / (1 + d v0 t / 2).
-    system, position, _ = chain(1.0, np.zeros((2, 2)), Law(400.0, 0.0, 0.0, 30.0, 0.5))
+    system, position, _ = chain(1.0, np.zeros((2, 2)), Law(400.0, 0.0, 0.0, 30.0, 0.5, 0.2))
     p, v = go(system, method, steps, 60, position, np.array([[0.0, 0.0], [2, 2]]))
     assert v[1] == pytest.approx(2 / (1 + 30.0), rel={EULER: 0.02, VERLET: 1e-3, RK4: 1e-4, ADAPTIVE: 1e-8}[method])
     assert p[0, 1] - p[0, 0] == pytest.approx(1.0, abs=1e-12)
@@ -85,7 +77,7 @@ def test_speed_across_a_bar_decays_as_drag_says(method, steps):
 @EVERY
 def test_a_sinking_bar_reaches_its_terminal_speed(method, steps):
     body = body_of([(0, 0), (1, 0)])
-    system = make_system(body, Law(400.0, 10.0, 0.0, 50.0, 0.5), gravity=9.81)
+    system = make_system(body, Law(400.0, 10.0, 0.0, 50.0, 0.5, 0.2), gravity=9.81)
     _, v = go(system, method, steps, 240)
     assert v[1] == pytest.approx(-np.sqrt(2 * 9.81 / 50.0), rel=1e-6)
 
@@ -161,7 +153,7 @@ def spin(p, v):
 @EVERY
 def test_internal_forces_keep_momentum_over_2000_control_steps(method, steps):
     body = slab(6, 3)
-    system = make_system(body, Law(400.0, 10.0, 400.0, 0.0, 0.0), drive=wave(body))
+    system = make_system(body, Law(400.0, 10.0, 400.0, 0.0, 0.0, 0.2), drive=wave(body))
     velocity = np.random.default_rng(1).normal(0, 0.5, body.position.T.shape)
     before = velocity.sum(1), spin(body.position.T, velocity)
     p, v = go(system, method, 1e-5 if method == ADAPTIVE else steps, 2000, velocity=velocity)
@@ -195,7 +187,7 @@ def random_system(seed, cells, stiffness, damping, pressure):
     rng = np.random.default_rng(seed)
     body = body_of(rng.uniform(-0.6, 0.6, (cells, 2)) * np.sqrt(cells))
     body = body._replace(inverse_mass=1 / rng.uniform(0.5, 2.0, cells))
-    return make_system(body, Law(stiffness, damping, pressure, 0.0, 0.0))
+    return make_system(body, Law(stiffness, damping, pressure, 0.0, 0.0, 0.2))
 
 
 @settings(max_examples=40, deadline=None)
@@ -237,7 +229,7 @@ def test_the_longest_step_of_true_eigenvalues_is_stable_and_one_not_much_longer_
 @FIXED
 def test_a_body_in_chosen_steps_comes_to_rest_whatever_its_damping(method):
     for damping in (5.0, 50.0, 300.0):
-        system = make_system(slab(4, 3), Law(400.0, damping, 400.0, 0.0, 0.0))
+        system = make_system(slab(4, 3), Law(400.0, damping, 400.0, 0.0, 0.0, 0.2))
         position = system.body.position.T + np.random.default_rng(3).normal(0, 0.03, (2, 12))
         steps = choose_steps(system, method, bounds(system), position, np.zeros_like(position), STEP)
         _, v = go(system, method, steps, 1200, position)
@@ -246,7 +238,7 @@ def test_a_body_in_chosen_steps_comes_to_rest_whatever_its_damping(method):
 
 @FIXED
 def test_chosen_steps_do_not_overshoot_in_strong_drag(method):
-    system, position, _ = chain(1.0, np.zeros((2, 2)), Law(400.0, 0.0, 0.0, 1e4, 0.5))
+    system, position, _ = chain(1.0, np.zeros((2, 2)), Law(400.0, 0.0, 0.0, 1e4, 0.5, 0.2))
     velocity = np.array([[0.0, 0.0], [5, 5]])
     steps = choose_steps(system, method, bounds(system), position, velocity, STEP)
     assert STEP / steps * drag_rate(system.body, system.law, position, velocity, np.empty(2)) <= 0.5
@@ -260,14 +252,14 @@ def test_chosen_steps_do_not_overshoot_in_strong_drag(method):
 @pytest.mark.parametrize("seed", range(4))
 def test_a_step_too_long_is_redone_finer_and_named_where_that_does_not_help(seed):
     # For a second: an undamped body gains a little energy in every frame that is too coarse but passes.
-    system = make_system(slab(4, 3), Law(4000.0, 0.0, 4000.0, 0.0, 0.0))
+    system = make_system(slab(4, 3), Law(4000.0, 0.0, 4000.0, 0.0, 0.0, 0.2))
     position = system.body.position.T + 0.01 * np.random.default_rng(seed).normal(size=(2, 12))
     work = make_work(system.body)
 
     def attempt(doublings):
         p, v = position.copy(), np.zeros((2, 12))
         for k in range(60):
-            outcome, steps = carry_soundly(system, VERLET, k * STEP, STEP, 1, doublings, p, v, work, NO_LEDGER)
+            outcome, steps = carry_soundly(system, VERLET, k * STEP, STEP, 1, Ladder(doublings, 0), State(p, v, NO_LEDGER), work)
             if outcome != SOUND:
                 break
         return outcome, steps
@@ -282,14 +274,14 @@ def test_nan_is_unstable(method):
     velocity = np.zeros((2, 6))
     velocity[1, 2] = np.nan
     position, work = system.body.position.T.copy(), make_work(system.body)
-    outcome, steps = carry_soundly(system, method, 0.0, STEP, 2, 1, position, velocity, work, NO_LEDGER)
+    outcome, steps = carry_soundly(system, method, 0.0, STEP, 2, Ladder(1, 0), State(position, velocity, NO_LEDGER), work)
     assert (outcome, steps) == (UNSTABLE, 4)
 
 
 def test_how_fast_a_body_travels_is_no_fault():
     system = make_system(slab(3, 2), ALONE)
     position, velocity, work = system.body.position.T.copy(), np.full((2, 6), 1e4), make_work(system.body)
-    assert carry_soundly(system, RK4, 0.0, STEP, 2, 0, position, velocity, work, NO_LEDGER)[0] == SOUND
+    assert carry_soundly(system, RK4, 0.0, STEP, 2, Ladder(0, 0), State(position, velocity, NO_LEDGER), work)[0] == SOUND
 
 
 def test_equal_arguments_give_equal_bits(swimmer):
@@ -304,6 +296,6 @@ def test_an_interval_may_be_split(swimmer):
         work, p = make_work(swimmer.body), swimmer.body.position.T.copy()
         v = np.zeros_like(p)
         for k in range(4):
-            carry(swimmer, method, k * STEP / 4, STEP / 4, 2, p, v, work, NO_LEDGER)
+            carry(swimmer, method, k * STEP / 4, STEP / 4, 2, State(p, v, NO_LEDGER), work)
         whole, _ = go(swimmer, method, 8, 1)
         assert p == pytest.approx(whole, abs=1e-14)

@@ -100,7 +100,7 @@ def test_a_changed_constant_in_a_sub_package_is_never_a_stale_hit(copy):
     (inner / "__init__.py").write_text("from .regulation import affinity\n")
     source = inner / "regulation.py"
     moved = (package / "genetics" / "regulation.py").read_text()
-    source.write_text(moved.replace("from ..", "from ...").replace("from .genome", "from ..genome"))
+    source.write_text(moved.replace("from ..", "from ...").replace("from .elements", "from ..elements"))
     (package / "genetics" / "regulation.py").unlink()
     for file in package.rglob("*.py"):
         if file.parent != inner:
@@ -125,7 +125,7 @@ def test_every_file_whose_code_numba_was_given_counts():
 
 def test_what_no_kernel_depends_on_does_not_count():
     names = {path.relative_to(PACKAGE.resolve()).as_posix() for path in _jit.kernel_sources()}
-    assert "parameters.py" in names
+    assert not names & {"parameters.py", "task_kinds.py", "inputs.py", "genetics/genome.py"}  # help texts and tasks
     assert not names & {
         "__init__.py", "ros/messages.py", "tasks/evaluation.py", "analysis/gait/contact.py", "view/picture.py", "nodes/simulator.py",
     }

@@ -56,6 +56,18 @@ def test_an_unknown_status_is_refused():
         evaluation_from_message(msg.Evaluation(status=99))
 
 
+def test_statuses_are_those_of_kernels_and_physics():
+    from evodevo_sim.physics import soundness
+    from evodevo_sim.plant import Outcome
+    from evodevo_sim.tasks import ends
+
+    assert {status.name: int(status) for status in Status} == {
+        name: value for name, value in vars(ends).items() if name.isupper() and isinstance(value, int) and name != "TURNED_INSIDE_OUT"
+    }
+    assert [Outcome.SOUND, Outcome.UNSTABLE, Outcome.INVERTED] == [soundness.SOUND, soundness.UNSTABLE, soundness.INVERTED]
+    assert [ends.end_of(how) for how in (soundness.UNSTABLE, soundness.INVERTED)] == [Status.UNSTABLE, Status.INVERTED]
+
+
 def test_statuses_have_the_numbers_of_the_message():
     assert {status.name: int(status) for status in Status} == {
         name: value for name in dir(msg.Evaluation) if name.isupper() and isinstance(value := getattr(msg.Evaluation, name), int)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from evodevo_ga.operators import crossover, delete, duplicate, flip, mutate_points, tournament
-from evodevo_sim.genetics.genome import HEADER, SPECIAL
+from evodevo_sim.genetics.elements import HEADER, SPECIAL
 from genomes import hand_made, random_genomes
 from hypothesis import given, settings
 from hypothesis import strategies as st

@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 from bodies import LAW, POLYGON_EDGES, POLYGONS, SQUARE, accelerations_of, body_of, random_body, state_of
-from evodevo_sim.physics.control_step import INVERTED, MOST_DOUBLINGS, SOUND, UNSTABLE, advance, settle
+from evodevo_sim.physics.bounds import frequency_bound
+from evodevo_sim.physics.control_step import advance, settle
 from evodevo_sim.physics.forces import Law, accelerations, make_scratch
-from evodevo_sim.physics.rates import ACCURATE_RK4, choose_substeps, frequency_bound
+from evodevo_sim.physics.ladder import MOST_DOUBLINGS
+from evodevo_sim.physics.soundness import INVERTED, SOUND, UNSTABLE
+from evodevo_sim.physics.step_size import ACCURATE_RK4, choose_substeps
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -60,7 +63,7 @@ def assert_same_forces(body, law, state):
 
 @settings(max_examples=60, deadline=None)
 @given(
-    SEEDS, st.integers(2, 40), st.sampled_from([LAW, LAW._replace(damping=0.0), LAW._replace(pressure=0.0), Law(1.0, 2.0, 3.0, 0.0, 4.0)])
+    SEEDS, st.integers(2, 40), st.sampled_from([LAW, LAW._replace(damping=0.0), LAW._replace(pressure=0.0), Law(1.0, 2.0, 3.0, 0.0, 4.0, 0.2)])
 )
 def test_forces_are_the_law(seed, cells, law):
     rng = np.random.default_rng(seed)
@@ -82,7 +85,7 @@ def test_chambers_push_down_the_gradient_of_their_energy(seed, polygons):
     rng = np.random.default_rng(seed)
     body = body_of(POLYGONS, POLYGON_EDGES) if polygons else random_body(rng, 12)
     position, velocity, rest = state_of(body, rng, 0.1)
-    law = Law(0.0, 0.0, 300.0, 0.0, 0.0)
+    law = Law(0.0, 0.0, 300.0, 0.0, 0.0, 0.2)
 
     def energy(p):
         return sum(law.pressure * (s - area_of(p.T[c])) ** 2 / (2 * s) for c, s in chambers_of(body))
@@ -113,7 +116,7 @@ def test_a_term_without_coefficient_is_not_computed():
     body = random_body(rng, 20)
     position, velocity, rest = state_of(body, rng, 0.1, 2.0)
     no_area = body._replace(triangle_area=np.zeros(len(body.triangle_area)))  # would make every chamber's force infinite
-    bare = Law(400.0, 10.0, 0.0, 0.0, 0.0)
+    bare = Law(400.0, 10.0, 0.0, 0.0, 0.0, 0.2)
     assert np.isfinite(accelerations_of(no_area, bare, position, velocity, rest)).all()
     no_drag = accelerations_of(body, LAW._replace(drag_normal=0.0, drag_tangential=0.0), position, velocity, rest)
     no_outline = body._replace(outline_spring=np.empty(0, np.uint32))
@@ -144,7 +147,7 @@ DUMBBELL = [(-0.5, 0.0), (0.5, 0.0)]
 
 @pytest.mark.parametrize("damping", [0.0, 3.0])
 def test_two_masses_on_a_spring_swing_as_in_closed_form(damping):
-    body, law, mass = body_of(DUMBBELL, mass=2.0), Law(50.0, damping, 0.0, 0.0, 0.0), 2.0
+    body, law, mass = body_of(DUMBBELL, mass=2.0), Law(50.0, damping, 0.0, 0.0, 0.0, 0.2), 2.0
     position, velocity, rest = state_of(body)
     position[0] *= 1.1  # 0.1 too long
     decay, omega = damping / mass, np.sqrt(2 * law.stiffness / mass - (damping / mass) ** 2)
@@ -195,7 +198,7 @@ def test_the_physics_is_the_same_in_every_frame(seed, angle):
 
 def highest_frequency(body, law):
     """From the eigenvalues of the differentiated forces of a body at rest."""
-    conservative = Law(law.stiffness, 0.0, law.pressure, 0.0, 0.0)
+    conservative = Law(law.stiffness, 0.0, law.pressure, 0.0, 0.0, 0.2)
     position, velocity, rest = state_of(body)
     size, h = position.size, 1e-6
     jacobian = np.empty((size, size))
@@ -236,7 +239,7 @@ def test_an_absurd_state_ends_with_a_name(value, where):
 
 
 def test_an_inverted_chamber_is_named():
-    bare = Law(1e-6, 0.0, 0.0, 0.0, 0.0)  # nothing pushes back
+    bare = Law(1e-6, 0.0, 0.0, 0.0, 0.0, 0.2)  # nothing pushes back
     for points, edges, mirrored in (([(0, 0), (1, 0), (0.5, 0.9)], None, 2), (SQUARE, [(0, 1), (0, 3), (1, 2), (2, 3)], None)):
         body = body_of(points, edges)
         position, velocity, rest = state_of(body)
@@ -251,7 +254,26 @@ def test_a_collapsed_spring_is_named():
     body = body_of(DUMBBELL)
     position, velocity, rest = state_of(body)
     position *= 0.01
-    assert outcome_of(body, (position, velocity, rest), Law(1e-6, 0.0, 0.0, 0.0, 0.0))[0] == INVERTED
+    assert outcome_of(body, (position, velocity, rest), Law(1e-6, 0.0, 0.0, 0.0, 0.0, 0.2))[0] == INVERTED
+
+
+@given(SEEDS, st.floats(0.0, 0.49))
+def test_muscles_change_rest_lengths_by_their_range(seed, muscle_range):
+    from evodevo_sim.physics.forces import set_rest_lengths
+
+    body = body_of(DUMBBELL)
+    activation, rest = np.random.default_rng(seed).uniform(-1.0, 1.0, len(body.position)), np.empty_like(body.rest_length)
+    set_rest_lengths(body, LAW._replace(muscle_range=muscle_range), activation, rest)
+    both = activation[body.spring_a] + activation[body.spring_b]
+    assert np.array_equal(rest, (1.0 + muscle_range * both) * body.rest_length) and (rest > 0.0).all()
+
+
+def test_the_law_of_a_task_has_the_muscle_range_of_the_paper_and_that_which_is_set():
+    from evodevo_sim.parameters import Material, Scene
+    from evodevo_sim.physics.forces import make_law
+
+    assert make_law(Material().arguments(), Scene().arguments()).muscle_range == 0.2
+    assert make_law(Material(muscle_range=0.1).arguments(), Scene().arguments()).muscle_range == 0.1
 
 
 def test_finer_substeps_are_taken_where_only_they_are_sound():

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from evodevo_sim.genetics.genome import INPUTS, MORPHOGEN, OUTPUTS, TRANSCRIPTION_FACTOR
+from evodevo_sim.genetics.elements import INPUTS, MORPHOGEN, OUTPUTS, TRANSCRIPTION_FACTOR
 from evodevo_sim.genetics.regulation import activation, affinity, assign_units, exchange, express, make_spread, prune, regulate, share_out
 from evodevo_sim.kernels.lanes import aligned
 from genomes import hand_made, random_genomes, unit

@@ -335,7 +335,7 @@ def test_a_body_of_any_size_moves_from_rest_against_any_drag(scale, drag):
 
 def test_what_blows_up_names_the_flag_that_may_help(monkeypatch):
     from evodevo_sim.own_body import motion
-    from evodevo_sim.physics.control_step import UNSTABLE
+    from evodevo_sim.physics.soundness import UNSTABLE
 
     monkeypatch.setattr(motion, "follow", lambda *_: (UNSTABLE, 0, 0.0))
     own = make_own_body(SQUARE)

@@ -8,12 +8,12 @@ import pytest
 from bodies import slab
 from evodevo_sim.live.animat import Animat, NotViable
 from evodevo_sim.parameters import with_settings
-from evodevo_sim.physics.control_step import UNSTABLE
+from evodevo_sim.physics.bounds import bounds
 from evodevo_sim.physics.forces import Law
-from evodevo_sim.physics.integrators import carry_adaptively, make_system, make_work
-from evodevo_sim.physics.rates import MOST_SUBSTEPS
-from evodevo_sim.physics.replayed_motion import follow
-from evodevo_sim.physics.stability import EULER, RK4, bounds
+from evodevo_sim.physics.integrators import State, carry_adaptively, make_system, make_work
+from evodevo_sim.physics.replayed_motion import Frames, Method, follow
+from evodevo_sim.physics.soundness import UNSTABLE
+from evodevo_sim.physics.step_size import EULER, MOST_SUBSTEPS, RK4
 from evodevo_sim.tasks.outcome import STIFF, Status
 from genomes import dividing
 from hypothesis import given, settings
@@ -64,14 +64,12 @@ def test_a_body_that_would_need_hours_is_named_at_once():
 
 def test_a_frame_that_would_take_for_ever_ends_unstable():
     body = slab(3, 2)
-    system = make_system(body, Law(1e9, 0.0, 1e9, 0.0, 0.0))
+    system = make_system(body, Law(1e9, 0.0, 1e9, 0.0, 0.0, 0.2))
     position, velocity, work = body.position.T.copy(), np.zeros((2, 6)), make_work(body)
-    track = np.empty((2, 2, 6, 2))
+    state, frames = State(position, velocity, np.zeros(0)), Frames(np.array([0.0, 60.0]), *np.empty((2, 2, 6, 2)))
     for method in (EULER, RK4):
-        outcome, reached, _ = follow(
-            system, method, bounds(system), 0, 8, 0.0, 0.0, np.array([0.0, 60.0]), 0, 1, position, velocity, work, *track
-        )
+        outcome, reached, _ = follow(system, Method(method, 0, 8.0, 0.0), bounds(system), 0.0, (0, 1), state, work, frames)
         assert (outcome, reached) == (UNSTABLE, 0) and np.array_equal(position.T, body.position)
     velocity[0, 0] = 1.0
-    outcome, _, evaluations = carry_adaptively(system, 0.0, 60.0, 1e-9, 1e-6, position, velocity, work, np.zeros(0))
+    outcome, _, evaluations = carry_adaptively(system, 0.0, 60.0, 1e-9, 1e-6, state, work)
     assert outcome == UNSTABLE and evaluations < 1_000_000

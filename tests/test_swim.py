@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from bodies import LAW, accelerations_of, body_of
 from evodevo_sim.physics.forces import make_scratch, set_rest_lengths
-from evodevo_sim.physics.rates import substeps_in_drag
+from evodevo_sim.physics.step_size import substeps_in_drag
 from evodevo_sim.plant.simulated import SETTLE_TOLERANCE
 from evodevo_sim.tasks.life import develop
 from evodevo_sim.tasks.outcome import Status
@@ -51,7 +51,7 @@ def test_a_swimmer_beats_from_rest_and_goes_somewhere(swimmer):
     assert evaluation.metrics.activation_amplitude > 0.02 and evaluation.metrics.distance > 1e-3 and evaluation.fitness > 0
     # In the shape that its muscles hold: no cell accelerates there, unlike with the muscles at rest.
     body, rest = performance.body, np.empty_like(performance.body.rest_length)
-    set_rest_lengths(body, performance.activation[0], rest)
+    set_rest_lengths(body, LAW, performance.activation[0], rest)
     start = performance.position[0].T.copy(), np.zeros((2, 16))
     assert np.abs(accelerations_of(body, LAW, *start, rest)).max() <= SETTLE_TOLERANCE
     assert np.abs(accelerations_of(body, LAW, *start, body.rest_length)).max() > 1.0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from evodevo_sim.analysis.turning import Turning, actuation, memory_of, turning
 from evodevo_sim.commands.turning import main
-from evodevo_sim.genetics.genome import TRANSCRIPTION_FACTOR
+from evodevo_sim.genetics.elements import TRANSCRIPTION_FACTOR
 from evodevo_sim.parameters import Chemotaxis, default_task
 from genomes import FAR, dividing, hand_made, pulsing, unit
 from test_chemotaxis import pulsing_smeller

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from evodevo_sim.parameters import setting_of
-from evodevo_sim.physics.rates import ACCURATE_RK4, MOST_SUBSTEPS
+from evodevo_sim.physics.step_size import ACCURATE_RK4, MOST_SUBSTEPS
 
 from evodevo_sim import Genome, ParameterError, Task
 

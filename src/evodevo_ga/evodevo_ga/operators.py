@@ -6,7 +6,8 @@ The header of special elements is never moved, copied or deleted; its points mut
 from __future__ import annotations
 
 import numpy as np
-from evodevo_sim.genetics.genome import HEADER, INPUT_NAMES, MAX_ELEMENTS, MORPHOGEN, TRANSCRIPTION_FACTOR, Genome
+from evodevo_sim.genetics.elements import HEADER, INPUT_NAMES, MORPHOGEN, TRANSCRIPTION_FACTOR
+from evodevo_sim.genetics.genome import MAX_ELEMENTS, Genome
 
 SCENT = INPUT_NAMES.index("scent")
 _SIGN_TOO, _ANYWHERE = 0.1, 0.2

@@ -89,6 +89,7 @@ class Material(Checked):
     stiffness: float = parameter(400.0, 1e-6, 1e9, "N/m", "of a spring, k")
     damping: float = parameter(10.0, 0.0, 1e6, "N s/m", "of a spring, c_s")
     pressure: float = parameter(400.0, 0.0, 1e9, "N/m", "chamber coefficient, c_p")
+    muscle_range: float = parameter(0.2, 0.0, 0.49, "", "share of its rest length that a spring grows by for each e - c of 1 at an end")
 
 
 @dataclass(frozen=True)

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ..development.growth import REST
 from ..kernels.jit import lean
-from ..parameters import DevelopmentArguments, Task
 from .brain import Brain, brain_unrest, think
 from .scent import Signals, disturb, make_signals, scent_row, sense
+
+if TYPE_CHECKING:
+    from ..parameters import DevelopmentArguments, Task
 
 
 class Rules(NamedTuple):

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..genetics.genome import INPUTS, OUTPUTS
+from ..genetics.elements import INPUTS, OUTPUTS
 from ..kernels.jit import lean
 from .brain import find_activation
 

@@ -10,6 +10,8 @@ monotone, so no cell of the box would have given another answer: the edges are e
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ..kernels.jit import kernel, lean
@@ -19,12 +21,28 @@ _LEAF = 6  # cells in a box that is not divided, at the most
 _LINES = 24  # cells, at the most, by which a search leaves out boxes
 
 
+class Tree(NamedTuple):
+    """Boxes of cells.  The children of node n are 2n + 1 and 2n + 2; those of leaves would be beyond the last node."""
+
+    order: np.ndarray  # (N,) of the cells
+    first: np.ndarray  # (nodes,): ranges of it
+    last: np.ndarray  # (nodes,)
+    box: np.ndarray  # (nodes, 4) m: least x, y, largest x, y
+
+
+class Search(NamedTuple):
+    """Scratch of a search."""
+
+    stack: np.ndarray  # (128,) of nodes
+    kx: np.ndarray  # (_LINES,) m: cells by whose lines boxes are left out
+    ky: np.ndarray  # (_LINES,) m
+
+
 @kernel
 def _plant(position):
-    """(order (N,) of the cells; first, last (nodes,): ranges of it; box (nodes, 4): least x, y, largest x, y).
+    """The tree of positions (N, 2).
 
-    The children of node n are 2n + 1 and 2n + 2; those of leaves would be beyond the last node.  Cells are sorted once along
-    either axis; a node halves its range of one order and parts the other alike, which keeps both sorted.
+    Cells are sorted once along either axis; a node halves its range of one order and parts the other alike, which keeps both sorted.
     """
     cells = position.shape[0]
     inner = 1
@@ -56,7 +74,7 @@ def _plant(position):
                     later[m - kept] = k
             other[middle:b] = later[: b - middle]
             first[2 * n + 1], last[2 * n + 1], first[2 * n + 2], last[2 * n + 2] = a, middle, middle, b
-    return order[0], first, last, box
+    return Tree(order=order[0], first=first, last=last, box=box)
 
 
 @lean
@@ -89,8 +107,9 @@ def _distance(x, y, box):
 
 
 @lean
-def _candidates(position, i, rounding, first, last, box, stack, kx, ky, found):
-    """Fill `found` with cells among which are all Gabriel neighbours of i.  Returns their number.  kx, ky: scratch."""
+def _candidates(position, i, rounding, tree, search, found):
+    """Fill `found` with cells among which are all Gabriel neighbours of i.  Returns their number."""
+    first, last, box, stack, kx, ky = tree.first, tree.last, tree.box, search.stack, search.kx, search.ky
     x, y = position[i, 0], position[i, 1]
     count, lines, top = 0, 0, 1
     stack[0] = 0
@@ -122,8 +141,9 @@ def _candidates(position, i, rounding, first, last, box, stack, kx, ky, found):
 
 
 @lean
-def _empty(position, i, j, rounding, first, last, box, stack):
+def _empty(position, i, j, rounding, tree, stack):
     """Whether no third cell lies in the circle on ij."""
+    first, last, box = tree.first, tree.last, tree.box
     xi, yi, xj, yj = position[i, 0], position[i, 1], position[j, 0], position[j, 1]
     slack = _slack(xi, yi, xj, yj, rounding)
     top = 1
@@ -152,14 +172,15 @@ def _empty(position, i, j, rounding, first, last, box, stack):
 def tree_edges(position, edges, rounding=0.0):
     """As `gabriel.gabriel_edges`: fill `edges` (>= 3 N, 2) of (N, 2) positions.  Returns their number."""
     cells = position.shape[0]
-    order, first, last, box = _plant(position)
+    tree = _plant(position)
+    order = tree.order
     planted = position[order]  # cells of a box side by side
-    stack, found, kx, ky = np.empty(128, np.int64), np.empty(cells, np.int64), np.empty(_LINES), np.empty(_LINES)
+    search, found = Search(np.empty(128, np.int64), np.empty(_LINES), np.empty(_LINES)), np.empty(cells, np.int64)
     pairs, count = np.empty(edges.shape[0], np.int64), 0
     for i in range(cells):
-        for m in range(_candidates(planted, i, rounding, first, last, box, stack, kx, ky, found)):
+        for m in range(_candidates(planted, i, rounding, tree, search, found)):
             j = found[m]
-            if j > i and _empty(planted, i, j, rounding, first, last, box, stack):
+            if j > i and _empty(planted, i, j, rounding, tree, search.stack):
                 a, b = order[i], order[j]
                 pairs[count] = min(a, b) * cells + max(a, b)
                 count += 1

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections import namedtuple
+from typing import NamedTuple
 
 import numpy as np
 
-from ..genetics.genome import INPUTS, OUTPUTS
+from ..genetics.elements import INPUTS, OUTPUTS
 from ..genetics.regulation import AXIS, CONTRACTION, DIVISION, EXPANSION, exchange, make_spread, regulate, share_out, unrest
 from ..kernels.jit import inlined, kernel, lean
 from ..kernels.lanes import aligned
@@ -36,9 +36,33 @@ _CLEAR = 0.05  # m, least distance of a new daughter from any cell
 _ROUNDING = 1e-11  # m, above that of a cell's move within bodies of up to 10 km
 _GOLDEN_ANGLE = 2.399963229728653
 
-# position (N, 2) m; table (rows, padded N) of concentrations, see `regulation`, 0 beyond N; edges (E, 2) of the graph; start,
-# neighbour: its adjacency lists; steps: regulation steps until all was at rest; past, delay: variant A's history and delays.
-Embryo = namedtuple("Embryo", "position table edges start neighbour steps past delay")
+
+class Embryo(NamedTuple):
+    """What grew."""
+
+    position: np.ndarray  # (N, 2) m
+    table: np.ndarray  # (rows, padded N) of concentrations, see `regulation`; 0 beyond N
+    edges: np.ndarray  # (E, 2) of the graph, i < j, ascending
+    start: np.ndarray  # (N + 1,): where each cell's neighbours begin
+    neighbour: np.ndarray  # (2 E,) uint32
+    steps: int  # regulation steps until all was at rest
+    past: np.ndarray  # (delays, morphogens, cells): variant A's history, see `remember`
+    delay: np.ndarray  # (cells, cells, 2): variant A's delays, see `diffuse`
+
+
+class Ends(NamedTuple):
+    """The ends of edges, see `_list_ends`; filled up to fours."""
+
+    first: np.ndarray  # (>= E,) uint32
+    second: np.ndarray  # (>= E,) uint32
+
+
+class Pushes(NamedTuple):
+    """Scratch of `_relax`."""
+
+    shift: np.ndarray  # (> cells, 2) m
+    held: np.ndarray  # (> cells,): neighbours that hold each cell
+    push: np.ndarray  # (3, >= E): of each edge
 
 
 @lean
@@ -97,8 +121,9 @@ def _crowded(edges, count, cells, degree):
 
 
 @lean
-def _list_ends(edges, count, spare, first, second):
+def _list_ends(edges, count, spare, ends):
     """Where the ends of edges begin in their positions, filled up to fours with a cell that is none, at `spare`."""
+    first, second = ends.first, ends.second
     for e in range(padded4(count)):
         first[e], second[e] = 2 * (edges[e, 0] if e < count else spare), 2 * (edges[e, 1] if e < count else spare)
 
@@ -116,13 +141,13 @@ def _move_apart(shift, first, second, e, move):
 
 
 @lean
-def _relax(position, cells, first, second, count, crowded, development, shift, held, push):
+def _relax(position, cells, ends, count, crowded, development, scratch):
     """Push overlapping neighbours apart, pull separated ones together, once.  Returns the largest move of a coordinate.
 
     A cell in a crowd of more than six takes the mean of their pushes six times, not their sum, which would overshoot.
-    Args: position (> cells, 2); first, second: see `_list_ends`; crowded: whether any cell has more than six edges; shift like
-        position, held (> cells,), push (3, >= count): scratch.
+    Args: position (> cells, 2); crowded: whether any cell has more than six edges.
     """
+    first, second, shift, held, push = ends.first, ends.second, scratch.shift, scratch.held, scratch.push
     repulsion, adhesion, reach = four(0.5 * development.repulsion), four(0.5 * development.adhesion), four(development.adhesion_range)
     zero, one = four(0.0), four(1.0)
     px, py, holds = push[0], push[1], push[2]
@@ -237,14 +262,15 @@ def grow(network, development, continual, history, activations, graphs):
     units = network.units
     first_input = 2 * units + OUTPUTS
     table, drive = aligned(first_input + INPUTS, limit), aligned(network.nodes.size, limit)
-    position, shift, held = np.zeros((limit + 1, 2)), np.zeros((limit + 1, 2)), np.empty(limit)
+    position = np.zeros((limit + 1, 2))
     axis = np.zeros((limit, 2))
     axis[0, 0] = 1.0
     spread, degree, crowded = make_spread(network, limit), np.empty(limit, np.int64), False
     witness = np.zeros((limit, limit) if continual else (0, 0), np.int32)
     edges = np.empty((3 * limit + 1 if continual else limit * (limit - 1) // 2 + 1, 2), np.int64)
-    push = np.empty((3, padded4(edges.shape[0])))
-    first, second = np.empty(push.shape[1], np.uint32), np.empty(push.shape[1], np.uint32)
+    room = padded4(edges.shape[0])
+    ends = Ends(np.empty(room, np.uint32), np.empty(room, np.uint32))
+    pushes = Pushes(shift=np.zeros((limit + 1, 2)), held=np.empty(limit), push=np.empty((3, room)))
     spare, holds, travelled = np.empty_like(edges), np.full(limit, -1.0), 0.0
     start = np.zeros(limit + 1, np.int64)
     neighbour = np.empty(2 * edges.shape[0], np.uint32)
@@ -278,15 +304,15 @@ def grow(network, development, continual, history, activations, graphs):
                 if changed:
                     adjacency(edges, count, grown, start, neighbour)
                     share_out(start, grown, spread)
-                    _list_ends(edges, count, limit, first, second)
+                    _list_ends(edges, count, limit, ends)
                     crowded = _crowded(edges, count, grown, degree)
             else:
                 count = _metric_edges(position, grown, development.neighbour_radius, edges)
-                _list_ends(edges, count, limit, first, second)
+                _list_ends(edges, count, limit, ends)
                 crowded = _crowded(edges, count, grown, degree)
             most = 0.0
             for _ in range(development.relaxations):
-                move = _relax(position, grown, first, second, count, crowded, development, shift, held, push)
+                move = _relax(position, grown, ends, count, crowded, development, pushes)
                 most = max(most, move)
                 travelled += 1.5 * move + _ROUNDING
             maternal(table, first_input, position, grown, development.maternal_length)
@@ -315,6 +341,6 @@ def grow(network, development, continual, history, activations, graphs):
                 activations[step, i] = table[units + EXPANSION, i] - table[units + CONTRACTION, i]
             graphs[step, :count] = planar
     return Embryo(
-        position[:cells].copy(), final, planar.copy(), start[: cells + 1].copy(),
-        neighbour[: 2 * count].copy(), steps, past, delay,
+        position=position[:cells].copy(), table=final, edges=planar.copy(), start=start[: cells + 1].copy(),
+        neighbour=neighbour[: 2 * count].copy(), steps=steps, past=past, delay=delay,
     )

@@ -7,15 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..inputs import InputError
+from .elements import HEADER, KINDS, MORPHOGEN, REGULATORY, SPECIAL, TRANSCRIPTION_FACTOR
 
-SPECIAL, REGULATORY, TRANSCRIPTION_FACTOR, MORPHOGEN = range(4)
-KINDS = ("special", "regulatory", "transcription_factor", "morphogen")
-
-INPUT_NAMES = ("maternal_x", "maternal_y", "constant", "scent")
-OUTPUT_NAMES = ("division", "axis", "expansion", "contraction")
-HEADER_NAMES = INPUT_NAMES + OUTPUT_NAMES
-INPUTS, OUTPUTS = len(INPUT_NAMES), len(OUTPUT_NAMES)
-HEADER = INPUTS + OUTPUTS
 MAX_ELEMENTS = 4_000  # up to 2,000 units; weights take 48 bytes for each pair of them, so that an evaluation takes less than 0.5 GB
 MAX_COORDINATE = 1e6
 

@@ -19,7 +19,8 @@ import yaml
 from ..inputs import shown
 from ..text_file import parsed, read_text
 from ..whole_file import written_whole
-from .genome import HEADER, HEADER_NAMES, KINDS, SPECIAL, Genome, GenomeError
+from .elements import HEADER, HEADER_NAMES, KINDS, SPECIAL
+from .genome import Genome, GenomeError
 
 VERSION = 1
 _KIND_NUMBER = {name: number for number, name in enumerate(KINDS)}

@@ -10,26 +10,38 @@ Concentrations live in one table, a row per quantity and a column per cell:
 
 from __future__ import annotations
 
-from collections import namedtuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ..kernels.jit import inlined, kernel, lean
 from ..kernels.lanes import LANES, WAYS, add_rows, aligned, fma, padded, sum_rows, sum_rows_twice
 from ..kernels.vectors import load4, padded4, store, transpose
-from .genome import HEADER, INPUTS, MORPHOGEN, OUTPUTS, REGULATORY
+from .elements import HEADER, INPUTS, MORPHOGEN, OUTPUTS, REGULATORY
 
 DIVISION, AXIS, EXPANSION, CONTRACTION = range(4)
 REACH = 5.0  # affinity is 0 beyond this distance
 _TRACE = 1e-30  # a concentration below this is none; decay would end in denormal numbers, which cost ten times as much
 
-# `nodes` are the table rows to integrate; node n sums `weight` times the row that begins at `source` in a table of `columns` over
-# [start[n], start[n + 1]), which is filled up with weights of 0 to a multiple of WAYS.  twin (nodes,): whether the next node sums the
-# same rows.
-Network = namedtuple("Network", "units nodes start source weight twin morphogens")
-# Scratch of `exchange`, rows by cell and columns by morphogen, both filled up: part (rows,), of what a cell has that each neighbour
-# gets, left by `share_out`; given, what that is; received, what came from all of them.
-Spread = namedtuple("Spread", "part given received")
+
+class Network(NamedTuple):
+    """Sparse rows of weights, each filled up with weights of 0 to a multiple of WAYS."""
+
+    units: int  # regulatory units of the genome
+    nodes: np.ndarray  # (R,) int64: table rows to integrate
+    start: np.ndarray  # (R + 1,) int64: node n sums over [start[n], start[n + 1])
+    source: np.ndarray  # (K,) int64: where the row begins that is summed, in a table that is flat
+    weight: np.ndarray  # (K,)
+    twin: np.ndarray  # (R,) bool: whether the next node sums the same rows
+    morphogens: np.ndarray  # (M,) int64: units whose morphogens are perceived
+
+
+class Spread(NamedTuple):
+    """Scratch of `exchange`, rows by cell and columns by morphogen, both filled up."""
+
+    part: np.ndarray  # (rows,): share of what a cell has that each neighbour gets, left by `share_out`
+    given: np.ndarray  # (rows, columns): what that is
+    received: np.ndarray  # (rows, columns): what came from all of them
 
 
 @lean
@@ -150,7 +162,10 @@ def prune(weights, units, read_outputs, given_inputs, cells):
     twin = np.zeros(nodes.size, np.bool_)
     for row in range(nodes.size - 1):
         twin[row] = np.array_equal(source[start[row] : start[row + 1]], source[start[row + 1] : start[row + 2]])
-    return Network(units, nodes, start, source[:count].copy(), weight[:count].copy(), twin, np.flatnonzero(carried))
+    return Network(
+        units=units, nodes=nodes, start=start, source=source[:count].copy(), weight=weight[:count].copy(), twin=twin,
+        morphogens=np.flatnonzero(carried),
+    )
 
 
 @lean
@@ -165,7 +180,8 @@ def regulate(network, table, drive, cells, rate):
     while row < nodes.size:
         for at in range(0, width, LANES):
             if network.twin[row]:
-                sum_rows_twice(table, source, weight, start[row], start[row + 1], at, drive, row * room + at, (row + 1) * room + at)
+                places = row * room + at, (row + 1) * room + at
+                sum_rows_twice(table, source, weight, start[row], start[row + 1], at, drive, places)
             else:
                 sum_rows(table, source, weight, start[row], start[row + 1], at, drive, row * room + at)
         row += 2 if network.twin[row] else 1

@@ -28,7 +28,6 @@ from .cache import SUFFIX, KernelCache, NotKept, remove, tell_once, unwritable, 
 from .sources import hash_of, package_root, sources_of_file, sources_of_package, top_folder
 
 _ROOT = package_root(Path(__file__).resolve(), __name__)
-_ARGUMENT_TYPES = ("parameters.py",)
 _KEEP_DAYS = 7.0
 
 # Besides sources, what results and speed of compiled code depend on.  Each entry knows its processor.
@@ -41,7 +40,7 @@ _SETTINGS = (
 
 def kernel_sources() -> list[Path]:
     """The files that compiled kernels depend on, in a fixed order."""
-    return sources_of_package(_ROOT, Path(__file__).resolve(), _ARGUMENT_TYPES)
+    return sources_of_package(_ROOT, Path(__file__).resolve())
 
 
 def _caches() -> Path | None:

@@ -103,20 +103,20 @@ def sum_rows(typing, table, row, weight, first, last, column, out, place):
 
 
 @intrinsic
-def sum_rows_twice(typing, table, row, weight, first, last, column, out, place, other):
-    """`sum_rows` with the weights from `first` on to `place`, and with as many more from `last` on to `other`.
+def sum_rows_twice(typing, table, row, weight, first, last, column, out, places):
+    """`sum_rows` with the weights from `first` on to the first of two places, and with as many more from `last` on to the second.
 
     The same bits in two thirds of the time: each number of the table is loaded once for both, so the ways go two by two, for
     want of registers.
     """
-    signature = types.void(table, row, weight, first, last, column, out, place, other)
+    signature = types.void(table, row, weight, first, last, column, out, places)
 
     def generate(context, builder, signature, values):
         table, row, weight, out = (context.make_array(signature.args[k])(context, builder, values[k]) for k in (0, 1, 2, 6))
         first, last, column = values[3:6]
         weights = [weight.data, builder.gep(weight.data, [builder.sub(last, first)])]
         halves = [_sums(builder, table, row, weights, first, last, column, range(n, n + WAYS // 2)) for n in (0, WAYS // 2)]
-        for place, *ways in zip(values[7:9], *halves):
+        for place, *ways in zip(cgutils.unpack_tuple(builder, values[7], 2), *halves):
             _store(builder, out, place, *sum(ways, []))
         return context.get_dummy_value()
 

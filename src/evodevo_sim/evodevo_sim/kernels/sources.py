@@ -1,6 +1,6 @@
 """The files that compiled kernels depend on, found by reading imports, and a hash of them.
 
-A file counts when it makes kernels or argument types of kernels, and so does every file that one of those imports, through
+A file counts when it makes kernels, and so does every file that one of those imports, through
 packages and what their `__init__` passes on.  Imports inside functions count, since a function may build a kernel from what it
 imports; those under `if TYPE_CHECKING` do not, since they bring no value at run time.  A package's `__init__` counts where a name
 is taken from it, with the one import that the name comes from, and with all its imports where it makes the name itself.
@@ -14,7 +14,7 @@ import hashlib
 import os
 import sys
 import sysconfig
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
@@ -233,14 +233,14 @@ def package_root(file: Path, module: str) -> Path:
     return file.parents[module.count(".") - 1]
 
 
-def sources_of_package(root: Path, maker: Path, also: Collection[str] = ()) -> list[Path]:
+def sources_of_package(root: Path, maker: Path) -> list[Path]:
     """The files of the package in the folder `root` that its kernels depend on, in a fixed order.
 
-    Args: maker: the module that holds the decorators; also: relative paths of files that make argument types.
+    Args: maker: the module that holds the decorators.
     """
     imports = Imports(lambda name: root.parent if name == root.name else None)
     for file in sorted(root.rglob("*.py")):
-        if file == maker or file.relative_to(root).as_posix() in also or imports.makes_kernels(file, maker):
+        if file == maker or imports.makes_kernels(file, maker):
             imports.add(file)
     return sorted(imports.files)
 

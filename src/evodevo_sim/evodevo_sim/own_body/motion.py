@@ -16,12 +16,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..inputs import shown
-from ..parameters import ParameterError, Scene, Task
-from ..physics.control_step import INVERTED, SOUND
+from ..parameters import Material, ParameterError, Scene, Task
+from ..physics.bounds import bounds
 from ..physics.forces import Law
-from ..physics.integrators import System, make_system, make_work
-from ..physics.replayed_motion import follow
-from ..physics.stability import ADAPTIVE, EULER, INTEGRATORS, bounds, choose_steps, longest_step
+from ..physics.integrators import State, System, make_system, make_work
+from ..physics.replayed_motion import Frames, Method, follow
+from ..physics.soundness import INVERTED, SOUND
+from ..physics.step_size import ADAPTIVE, EULER, INTEGRATORS, choose_steps, longest_step
 from ..physics.terrain import FLAT, clearance, make_terrain, profile
 from ..worlds import with_world
 from .body_file import BodyError, OwnBody
@@ -31,7 +32,7 @@ SCENES = ("swim", "walk", "free")
 FRAME = 1 / 60  # s between frames where no step is given
 GRAVITY, FRICTION = 9.81, 0.8  # m/s^2 and Coulomb's coefficient of the walk scene, where the file has none
 TOLERANCE = 1e-9
-_FINER = {"swim": 8, "walk": 4, "free": 8}  # than stable: errors near 1e-7 m for the smooth scenes
+_FINER = {"swim": 8.0, "walk": 4.0, "free": 8.0}  # than stable: errors near 1e-7 m for the smooth scenes
 _BOUND_SLACK = 1.5  # the bound of the frequency lies up to so much above the truth
 _MOST_VALUES = 20_000_000  # frames times cells
 _MOST_STEPS = 10_000  # a frame, before they are made finer
@@ -69,7 +70,7 @@ def simulate_body(own: OwnBody, scene: str = "swim", duration: float = 10.0, *, 
         scene: one of SCENES; duration: s.
         dt: s of a step, exactly; by default steps follow from the body's stiffness, damping, drag and muscles.
         tolerance: most error of an adaptive step, in m for coordinates and in m/s for speeds.
-        integrator: one of `stability.INTEGRATORS`; by default rk4, adaptive where a tolerance is given, euler in walk.
+        integrator: one of `step_size.INTEGRATORS`; by default rk4, adaptive where a tolerance is given, euler in walk.
         world: of the walk scene, a name or a file: see `worlds`; by default flat ground.
 
     Raises: ParameterError or BodyError that names what is wrong and the mend.
@@ -91,15 +92,13 @@ def simulate_body(own: OwnBody, scene: str = "swim", duration: float = 10.0, *, 
             "mass, or widen needle-shaped chambers"
         )
     cells, frames = len(own.velocity), len(time)
-    track = np.empty((frames, cells, 2)), np.empty((frames, cells, 2))
-    track[0][0], track[1][0] = position.T, own.velocity
+    track = Frames(time, np.empty((frames, cells, 2)), np.empty((frames, cells, 2)))
+    track.position[0], track.velocity[0] = position.T, own.velocity
+    state, way = State(position, velocity, np.empty(0)), Method(method, 1 if dt is not None else 0, _FINER[scene], tolerance or TOLERANCE)
     work, cause, done, h = make_work(own.body), "", 0, 0.0
     try:
         while done < frames - 1 and not cause:
-            outcome, done, h = follow(
-                system, method, bound, 1 if dt is not None else 0, _FINER[scene], tolerance or TOLERANCE, h, time, done,
-                min(done + _CHUNK, frames - 1), position, velocity, work, *track,
-            )
+            outcome, done, h = follow(system, way, bound, h, (done, min(done + _CHUNK, frames - 1)), state, work, track)
             if outcome != SOUND:
                 cause = f"{_CAUSE[outcome == INVERTED]} at {time[done]:.6g} s, in {_steps_and_mend(outcome, method, scene, dt)}"
     except KeyboardInterrupt:
@@ -107,7 +106,7 @@ def simulate_body(own: OwnBody, scene: str = "swim", duration: float = 10.0, *, 
     time = time[: done + 1]
     activation = own.amplitude * np.sin(2 * np.pi * own.frequency * time[:, None] + own.phase)
     terrain = make_world(own, world) if scene == "walk" else None
-    return Motion(time, track[0][: done + 1], track[1][: done + 1], activation, cause, INTEGRATORS[method], system, terrain)
+    return Motion(time, track.position[: done + 1], track.velocity[: done + 1], activation, cause, INTEGRATORS[method], system, terrain)
 
 
 def _steps_and_mend(outcome, method, scene, dt) -> str:
@@ -138,7 +137,8 @@ def make_scene(own: OwnBody, scene: str, world: str | None = None) -> System:
         if min(clearance(terrain, own.body.outline, *own.body.position.T)) < -_slack(own.body.position):
             raise BodyError("position: an edge of the outline passes through a tip of the world: start the body outside of it")
     drive = (own.amplitude, own.frequency, own.phase) if own.amplitude.any() else None
-    return make_system(own.body, Law(*own.stuff, *drag), gravity, friction, scene == "walk", drive, terrain)
+    law = Law(*own.stuff, *drag, muscle_range=Material.muscle_range)
+    return make_system(own.body, law, gravity, friction, scene == "walk", drive, terrain)
 
 
 def make_world(own: OwnBody, world: str | None) -> Scene:

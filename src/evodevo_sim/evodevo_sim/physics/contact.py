@@ -10,6 +10,8 @@ profile and it is not, it is deepest at one of them.  The push is shared by the 
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ..kernels.jit import lean
@@ -19,6 +21,17 @@ _TRIES = 4  # surfaces of a corner that a cell may meet in one step
 _ROUNDING = 1e-12  # m
 _SWEEPS = 8  # over the edges in a step; cells of an edge that is in a tip even then are stopped where they were
 _DEEP = 1e-10  # m that an edge may be below a tip
+
+
+class Step(NamedTuple):
+    """A step in which outline edges are lifted off tips, in place."""
+
+    friction: float  # Coulomb's coefficient
+    h: float  # s
+    inverse_mass: np.ndarray  # (N,) 1/kg
+    before: np.ndarray  # (2, N) m: position at its start
+    position: np.ndarray  # (2, N) m
+    velocity: np.ndarray  # (2, N) m/s
 
 
 @lean
@@ -98,9 +111,10 @@ def _depth(xi, yi, xj, yj, tip_x, tip_y):
 
 
 @lean
-def _push_off(i, j, tip_x, tip_y, sign, stop, friction, h, inverse_mass, before, position, velocity):
+def _push_off(i, j, tip_x, tip_y, sign, stop, step):
     """Lift an edge off a tip, by what moves its two cells, or stop them where they were.  Returns: whether it was in there."""
-    x, y, u, v = position[0], position[1], velocity[0], velocity[1]
+    friction, h, inverse_mass, before = step.friction, step.h, step.inverse_mass, step.before
+    x, y, u, v = step.position[0], step.position[1], step.velocity[0], step.velocity[1]
     depth = _depth(x[i], sign * y[i], x[j], sign * y[j], tip_x, tip_y)
     if depth <= _DEEP:
         return False
@@ -131,22 +145,23 @@ def _push_off(i, j, tip_x, tip_y, sign, stop, friction, h, inverse_mass, before,
 
 
 @lean
-def _put_outside(terrain, friction, h, i, before, position, velocity):
+def _put_outside(terrain, i, step):
     """Let a cell that was pushed meet the surfaces that it was pushed into, on its way from where it was before the step."""
+    position, velocity, before, h = step.position, step.velocity, step.before, step.h
     x, y = position[0, i], position[1, i]
     ceiling = terrain.ceiling_x
     inside = y < height(terrain.x, terrain.y, x) or (ceiling.size > 0 and -y < height(ceiling, terrain.ceiling_depth, x))
     if inside:
         px, py = before[0, i], before[1, i]
         position[0, i], position[1, i], velocity[0, i], velocity[1, i] = meet(
-            terrain, friction, h, px, py, (x - px) / h, (y - py) / h
+            terrain, step.friction, h, px, py, (x - px) / h, (y - py) / h
         )
 
 
 @lean
-def _sweep(terrain, ceiling, stop, friction, h, body, before, position, velocity):
+def _sweep(terrain, ceiling, stop, outline, step):
     """Lift every edge off the tips that it is in, once.  Returns: whether there was one."""
-    x, y, outline = position[0], position[1], body.outline
+    x, y = step.position[0], step.position[1]
     tip_x, tip_y = terrain.tip_x, terrain.tip_y
     sign, top = 1.0, terrain.top
     if ceiling:
@@ -161,9 +176,9 @@ def _sweep(terrain, ceiling, stop, friction, h, body, before, position, velocity
         for k in range(first_from(tip_x, min(x[i], x[j])), tip_x.size):
             if tip_x[k] > high:
                 break
-            if _push_off(i, j, tip_x[k], tip_y[k], sign, stop, friction, h, body.inverse_mass, before, position, velocity):
-                _put_outside(terrain, friction, h, i, before, position, velocity)
-                _put_outside(terrain, friction, h, j, before, position, velocity)
+            if _push_off(i, j, tip_x[k], tip_y[k], sign, stop, step):
+                _put_outside(terrain, i, step)
+                _put_outside(terrain, j, step)
                 met = True
     return met
 
@@ -174,10 +189,11 @@ def meet_tips(terrain, friction, h, body, before, position, velocity):
 
     Args: before (2, N): position at the start of the step.
     """
+    step = Step(friction, h, body.inverse_mass, before, position, velocity)
     for k in range(_SWEEPS + body.outline.shape[0]):
         stop = k >= _SWEEPS
-        met = _sweep(terrain, False, stop, friction, h, body, before, position, velocity)
+        met = _sweep(terrain, False, stop, body.outline, step)
         if terrain.ceiling_tip_x.size:
-            met |= _sweep(terrain, True, stop, friction, h, body, before, position, velocity)
+            met |= _sweep(terrain, True, stop, body.outline, step)
         if not met:
             break

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..kernels.jit import lean
-from .forces import Law, accelerations, face_area
+from .forces import accelerations, damping_alone, drag_alone, face_area
 
 LEDGER = ("muscle", "drag", "damping", "ground")
 
@@ -64,7 +64,7 @@ def add_muscle_power(system, t, position, seconds, ledger):
         for e in range(system.rest.size):
             i, j = body.spring_a[e], body.spring_b[e]
             length = np.sqrt((x[j] - x[i]) ** 2 + (y[j] - y[i]) ** 2)
-            speed = 0.2 * (_muscle_speed(system, i, t) + _muscle_speed(system, j, t)) * body.rest_length[e]
+            speed = law.muscle_range * (_muscle_speed(system, i, t) + _muscle_speed(system, j, t)) * body.rest_length[e]
             power -= law.stiffness * (length - system.rest[e]) * speed
         ledger[0] += seconds * power
 
@@ -78,20 +78,17 @@ def add_power(system, t, position, velocity, seconds, scratch, ledger):
     body, law = system.body, system.law
     add_muscle_power(system, t, position, seconds, ledger)
     if law.drag_normal != 0.0 or law.drag_tangential != 0.0:
-        drag = Law(0.0, 0.0, 0.0, law.drag_normal, law.drag_tangential)
-        ledger[1] += seconds * _power(body, drag, system.rest, position, velocity, scratch)
+        ledger[1] += seconds * _power(body, drag_alone(law), system.rest, position, velocity, scratch)
     if law.damping != 0.0:
-        ledger[2] += seconds * _power(body, Law(0.0, law.damping, 0.0, 0.0, 0.0), system.rest, position, velocity, scratch)
+        ledger[2] += seconds * _power(body, damping_alone(law), system.rest, position, velocity, scratch)
 
 
 @lean
 def resistances(system, position, velocity, scratch, drag, damping):
     """Fill drag and damping (2, N) with the accelerations by each alone."""
     law = system.law
-    accelerations(
-        system.body, Law(0.0, 0.0, 0.0, law.drag_normal, law.drag_tangential), system.rest, position, velocity, scratch, drag
-    )
-    accelerations(system.body, Law(0.0, law.damping, 0.0, 0.0, 0.0), system.rest, position, velocity, scratch, damping)
+    accelerations(system.body, drag_alone(law), system.rest, position, velocity, scratch, drag)
+    accelerations(system.body, damping_alone(law), system.rest, position, velocity, scratch, damping)
 
 
 @lean

@@ -6,7 +6,7 @@ edges or chambers at a time (see `vectors`), from a copy of the state with x, y,
 
 from __future__ import annotations
 
-from collections import namedtuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -34,24 +34,89 @@ from ..kernels.vectors import (
     transpose,
 )
 
-# stiffness N/m, damping N s/m, pressure N/m, drag_normal and drag_tangential kg/m^2
-Law = namedtuple("Law", "stiffness damping pressure drag_normal drag_tangential")
-# A body in the order in which its forces are computed: springs, triangles and outline filled up to fours with some between three
-# cells beyond the last, which lie at the corners of a triangle and never move.  Cells are given by their place in the state, four times
-# their number.  start, end, left, right: springs' cells and chambers, the triangles and what fills them up first, then polygons, then
-# outside; corner_a, _b, _c, area: triangles; outline, outline_start, outline_end: its springs and their cells.
-Plan = namedtuple("Plan", "start end left right corner_a corner_b corner_c area outline outline_start outline_end inverse_mass")
-# Scratch of the integrator: states and their derivatives, (2, N) each; of the forces, by place in the plan: state, x, y, u, v of each
-# cell; inverse_square, 1/length^2 of each spring; push, half of c_p (1 - S/S0) of each chamber; force, x, y and room for two more;
-# and what `advance` leaves: rate (1,) 1/s, the rate of drag in its last state.
-Scratch = namedtuple(
-    "Scratch", "position velocity k1 k2 k3 k4 start_position start_velocity plan state inverse_square push force rate",
-)
+
+class Law(NamedTuple):
+    """The coefficients of all forces.  Where chambers or drag have 0, their terms are not computed."""
+
+    stiffness: float  # N/m, of springs
+    damping: float  # N s/m, of springs
+    pressure: float  # N/m, of chambers, c_p
+    drag_normal: float  # kg/m^2, across an outline edge
+    drag_tangential: float  # kg/m^2, along it
+    muscle_range: float  # of its rest length, that a spring grows by for each e - c of 1 at either end: see `set_rest_lengths`
+
+
+class Plan(NamedTuple):
+    """A body in the order in which its forces are computed: springs, triangles and outline filled up to fours with some between three
+    cells beyond the last, which lie at the corners of a triangle and never move.
+
+    Cells are given by their place in the state, four times their number; chambers by their number, the triangles and what fills them
+    up first, then polygons, then outside.  E, T, M, N: filled up.
+    """
+
+    start: np.ndarray  # (E,) uint32: cells of springs
+    end: np.ndarray  # (E,)
+    left: np.ndarray  # (E,) uint32: chambers of springs
+    right: np.ndarray  # (E,)
+    corner_a: np.ndarray  # (T,) uint32: cells of triangles
+    corner_b: np.ndarray  # (T,)
+    corner_c: np.ndarray  # (T,)
+    area: np.ndarray  # (T,) m^2 at rest, of triangles
+    outline: np.ndarray  # (M,) uint32: springs of the outline
+    outline_start: np.ndarray  # (M,) uint32: their cells
+    outline_end: np.ndarray  # (M,)
+    inverse_mass: np.ndarray  # (N,) 1/kg
+
+
+class Scratch(NamedTuple):
+    """Scratch of an integrator: states and their derivatives; of the forces, by place in the plan; and what `advance` leaves."""
+
+    position: np.ndarray  # (2, N) m
+    velocity: np.ndarray  # (2, N) m/s
+    k1: np.ndarray  # (2, N) m/s^2, as the next three
+    k2: np.ndarray
+    k3: np.ndarray
+    k4: np.ndarray
+    start_position: np.ndarray  # (2, N) m: at the start of an interval, see `ladder`
+    start_velocity: np.ndarray  # (2, N) m/s
+    start_ledger: np.ndarray  # (4,) J
+    plan: Plan
+    state: np.ndarray  # (4 N,): x, y, u, v of each cell
+    inverse_square: np.ndarray  # (E,) 1/m^2: 1 / length^2 of springs
+    push: np.ndarray  # (chambers + 1,) N/m: half of c_p (1 - S/S0); outside, the last, has 0
+    force: np.ndarray  # (4 N,) N: x, y and room for two more
+    rate: np.ndarray  # (1,) 1/s: the rate of drag in the last state
 
 
 @kernel
 def make_law(material, scene):
-    return Law(material.stiffness, material.damping, material.pressure, scene.drag_normal, scene.drag_tangential)
+    return Law(
+        stiffness=material.stiffness, damping=material.damping, pressure=material.pressure, drag_normal=scene.drag_normal,
+        drag_tangential=scene.drag_tangential, muscle_range=material.muscle_range,
+    )
+
+
+@lean
+def undamped(law):
+    """Springs and chambers alone."""
+    return Law(
+        stiffness=law.stiffness, damping=0.0, pressure=law.pressure, drag_normal=0.0, drag_tangential=0.0, muscle_range=law.muscle_range
+    )
+
+
+@lean
+def damping_alone(law):
+    """The damping of springs alone."""
+    return Law(stiffness=0.0, damping=law.damping, pressure=0.0, drag_normal=0.0, drag_tangential=0.0, muscle_range=law.muscle_range)
+
+
+@lean
+def drag_alone(law):
+    """The drag of the fluid alone."""
+    return Law(
+        stiffness=0.0, damping=0.0, pressure=0.0, drag_normal=law.drag_normal, drag_tangential=law.drag_tangential,
+        muscle_range=law.muscle_range,
+    )
 
 
 @kernel
@@ -62,11 +127,12 @@ def make_plan(body):
     room = padded4(springs) + 4  # `_pull` looks at a four beyond the last
     first, second, third = 4 * filler, 4 * filler + 4, 4 * filler + 8
     plan = Plan(
-        np.full(room, first, np.uint32), np.full(room, second, np.uint32),
-        np.full(room, outside, np.uint32), np.full(room, outside, np.uint32),
-        np.full(polygons, first, np.uint32), np.full(polygons, second, np.uint32), np.full(polygons, third, np.uint32), np.ones(polygons),
-        np.full(padded4(outline), springs, np.uint32), np.full(padded4(outline), first, np.uint32),
-        np.full(padded4(outline), second, np.uint32), np.zeros(filler),
+        start=np.full(room, first, np.uint32), end=np.full(room, second, np.uint32),
+        left=np.full(room, outside, np.uint32), right=np.full(room, outside, np.uint32),
+        corner_a=np.full(polygons, first, np.uint32), corner_b=np.full(polygons, second, np.uint32),
+        corner_c=np.full(polygons, third, np.uint32), area=np.ones(polygons),
+        outline=np.full(padded4(outline), springs, np.uint32), outline_start=np.full(padded4(outline), first, np.uint32),
+        outline_end=np.full(padded4(outline), second, np.uint32), inverse_mass=np.zeros(filler),
     )
     for e in range(springs):
         plan.start[e], plan.end[e] = 4 * body.spring_a[e], 4 * body.spring_b[e]
@@ -91,17 +157,18 @@ def make_scratch(body):
     state = np.zeros(4 * (filler + 3))
     state[4 * (filler + 1)], state[4 * (filler + 2) + 1] = 1.0, 1.0  # x of the second cell that fills up, y of the third
     return Scratch(
-        np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape), np.empty(shape),
-        np.empty(shape), plan, state, np.zeros(plan.start.size), np.zeros(outside + 1), np.empty(state.size), np.zeros(1),
+        position=np.empty(shape), velocity=np.empty(shape), k1=np.empty(shape), k2=np.empty(shape), k3=np.empty(shape), k4=np.empty(shape),
+        start_position=np.empty(shape), start_velocity=np.empty(shape), start_ledger=np.zeros(4), plan=plan, state=state,
+        inverse_square=np.zeros(plan.start.size), push=np.zeros(outside + 1), force=np.empty(state.size), rate=np.zeros(1),
     )
 
 
 @lean
-def set_rest_lengths(body, activation, rest):
-    """Equation (1): L = (1 + 0.2 (a_i + a_j)) L0 with a = e - c.  Fills rest (E,) from activation (N,)."""
-    start, end, rest_length = body.spring_a, body.spring_b, body.rest_length
+def set_rest_lengths(body, law, activation, rest):
+    """Equation (1): L = (1 + r (a_i + a_j)) L0 with a = e - c and the muscle range r.  Fills rest (E,) from activation (N,)."""
+    start, end, rest_length, muscle_range = body.spring_a, body.spring_b, body.rest_length, law.muscle_range
     for e in range(rest.size):
-        rest[e] = (1.0 + 0.2 * (activation[start[e]] + activation[end[e]])) * rest_length[e]
+        rest[e] = (1.0 + muscle_range * (activation[start[e]] + activation[end[e]])) * rest_length[e]
 
 
 @lean

@@ -6,34 +6,62 @@
     adaptive   the pair 5(4) of Dormand and Prince, which chooses its own steps.  On a swimmer of 64 cells it beats Bogacki and
                Shampine's 3(2) from 8 force evaluations a control step on: 7e-6 against 4e-6 m after 5 s, at 200 by 8 times
 
-Steps come from `stability`.  States are (2, N), as in `physics`.
+Steps come from `step_size`.  States are (2, N), as in `physics`.
 """
 
 from __future__ import annotations
 
-from collections import namedtuple
+from typing import NamedTuple
 
 import numpy as np
 
+from ..development.body import Body
 from ..kernels.jit import inlined, lean
 from ..kernels.vectors import all_at_most, four, load4, store
 from .contact import meet, meet_flat, meet_tips
-from .control_step import SOUND, UNSTABLE, copy_state
 from .energy import add_muscle_power, add_power, resistances
-from .forces import accelerations, make_scratch, set_rest_lengths
-from .stability import EULER, VERLET, is_sound
-from .terrain import FLAT, touches
+from .forces import Law, Scratch, accelerations, make_scratch, set_rest_lengths
+from .ladder import copy_state
+from .soundness import SOUND, UNSTABLE, is_sound
+from .step_size import EULER, VERLET
+from .terrain import FLAT, Terrain, touches
 
 _SLOWEST = 1e-9  # of an interval: an adaptive step below this has failed
 _MOST_TRIES = 100_000  # of adaptive steps in an interval
 
-# What moves a body.  law: see `forces.Law`; gravity m/s^2, downward; friction: Coulomb's coefficient; ground: whether the
-# terrain is solid; terrain: see `terrain.Terrain`; amplitude, frequency (Hz), phase (rad): (N,) of
-# e - c = amplitude sin(2 pi frequency t + phase), or empty: rest lengths are held.  Scratch or held: muscle (N,) of e - c, rest (E,) m.
-System = namedtuple("System", "body law gravity friction ground terrain amplitude frequency phase muscle rest")
-# scratch: see `forces.Scratch`; slope_p, slope_v (7, 2, N): slopes of both at up to seven stages; power (4,): the ledger of a
-# step that may still be refused.
-Work = namedtuple("Work", "scratch slope_p slope_v power")
+
+class System(NamedTuple):
+    """What moves a body: its own laws, the world around it, and its muscles, e - c = amplitude sin(2 pi frequency t + phase)."""
+
+    body: Body
+    law: Law
+    gravity: float  # m/s^2, downward
+    friction: float  # Coulomb's coefficient
+    ground: bool  # whether the terrain is solid
+    terrain: Terrain
+    amplitude: np.ndarray  # (N,), or empty: rest lengths are held
+    frequency: np.ndarray  # (N,) Hz, or empty
+    phase: np.ndarray  # (N,) rad, or empty
+    muscle: np.ndarray  # (N,) of e - c: scratch
+    rest: np.ndarray  # (E,) m, rest lengths: held, or scratch
+
+
+class State(NamedTuple):
+    """What an integration changes, in place."""
+
+    position: np.ndarray  # (2, N) m
+    velocity: np.ndarray  # (2, N) m/s
+    ledger: np.ndarray  # (4,) J, added to: see `energy`; or empty
+
+
+class Work(NamedTuple):
+    """Scratch of all methods."""
+
+    scratch: Scratch
+    slope_p: np.ndarray  # (7, 2, N) m/s: slopes of position at up to seven stages
+    slope_v: np.ndarray  # (7, 2, N) m/s^2: slopes of velocity
+    power: np.ndarray  # (4,) J: the ledger of a step that may still be refused
+
 
 # Butcher's arrays, lower triangles row by row with the weights last: (nodes, coefficients, weights, error weights).
 _CLASSICAL = (
@@ -63,8 +91,8 @@ def make_system(body, law, gravity=0.0, friction=0.0, ground=False, drive=None, 
     cells = len(body.position)
     drive = tuple(np.zeros(0) for _ in range(3)) if drive is None else tuple(np.array(a, np.float64) for a in drive)
     return System(
-        body, law, float(gravity), float(friction), bool(ground), terrain, *drive, np.zeros(cells),
-        body.rest_length.astype(np.float64),
+        body, law, float(gravity), float(friction), bool(ground), terrain, *drive, muscle=np.zeros(cells),
+        rest=body.rest_length.astype(np.float64),
     )
 
 
@@ -80,7 +108,7 @@ def set_muscles(system, t):
         for i in range(system.amplitude.size):
             turn = 2.0 * np.pi * system.frequency[i] * t + system.phase[i]
             system.muscle[i] = system.amplitude[i] * np.sin(turn)
-        set_rest_lengths(system.body, system.muscle, system.rest)
+        set_rest_lengths(system.body, system.law, system.muscle, system.rest)
 
 
 @lean
@@ -92,12 +120,12 @@ def _accelerate(system, position, velocity, scratch, out):
 
 
 @lean
-def _count(mass, h, ux, uy, freely_x, freely_y, vx, vy, drag, damping, ledger):
-    """A cell's share of the ledger of a step from velocity u to v, which would have been `freely` without contact."""
-    mx, my = 0.5 * (ux + vx), 0.5 * (uy + vy)
+def _count(mass, h, before, freely, after, drag, damping, ledger):
+    """A cell's share of the ledger of a step between two velocities (x, y), of which the later would have been `freely` without contact."""
+    mx, my = 0.5 * (before[0] + after[0]), 0.5 * (before[1] + after[1])
     ledger[1] += h * mass * (drag[0] * mx + drag[1] * my)
     ledger[2] += h * mass * (damping[0] * mx + damping[1] * my)
-    ledger[3] += mass * ((vx - freely_x) * mx + (vy - freely_y) * my)
+    ledger[3] += mass * ((after[0] - freely[0]) * mx + (after[1] - freely[1]) * my)
 
 
 @inlined
@@ -154,14 +182,14 @@ def euler(system, t, h, position, velocity, work, ledger):
             x[i] += h * vx
         if ledger.size and not tips:
             mass = 1.0 / system.body.inverse_mass[i]
-            _count(mass, h, u[i], v[i], freely_x, freely_y, vx, vy, drag[:, i], damping[:, i], ledger)
+            _count(mass, h, (u[i], v[i]), (freely_x, freely_y), (vx, vy), drag[:, i], damping[:, i], ledger)
         u[i], v[i] = vx, vy
     if tips:
         meet_tips(terrain, system.friction, h, system.body, before, position, velocity)
         for i in range(x.size if ledger.size else 0):
             mass, ux, uy = 1.0 / system.body.inverse_mass[i], speed[0, i], speed[1, i]
             freely_x, freely_y = ux + h * a[0, i], uy + h * a[1, i]
-            _count(mass, h, ux, uy, freely_x, freely_y, u[i], v[i], drag[:, i], damping[:, i], ledger)
+            _count(mass, h, (ux, uy), (freely_x, freely_y), (u[i], v[i]), drag[:, i], damping[:, i], ledger)
     if ledger.size:
         set_muscles(system, t + h)
         add_muscle_power(system, t + h, position, 0.5 * h, ledger)
@@ -204,8 +232,9 @@ def _verlet(system, t, h, position, velocity, work, ledger):
 
 
 @lean
-def _stages(system, t, h, first, position, velocity, work, tableau, ledger):
+def _stages(system, t, h, first, state, work, tableau):
     """Slopes at every stage from `first` on of an explicit Runge-Kutta step, and the stages' share of the ledger."""
+    position, velocity, ledger = state.position, state.velocity, state.ledger
     node, coefficient, weight = tableau[0], tableau[1], tableau[2]
     p, v, slope_p, slope_v = work.scratch.position, work.scratch.velocity, work.slope_p, work.slope_v
     for s in range(first, node.size):
@@ -238,17 +267,17 @@ def _combine(h, weight, position, velocity, work):
 
 
 @lean
-def carry(system, method, t, seconds, steps, position, velocity, work, ledger, watched=False):
+def carry(system, method, t, seconds, steps, state, work, watched=False):
     """Carry a state from time t over an interval in equal steps, in place.
 
     Args:
         method: EULER, VERLET or RK4; only Euler knows the ground.  There its velocities are those of the middles of steps and
             are shifted to the ends of the interval, so that free fall is exact and what rests has no speed.
-        ledger: (4,), added to: see `energy`; or empty.
         watched: whether to look at every step's outcome, and to stop at the first that is not sound.
 
     Returns: SOUND, or what was wrong.
     """
+    position, velocity, ledger = state.position, state.velocity, state.ledger
     h, outcome = seconds / steps, SOUND
     if system.ground:
         _shift(system, t, -0.5 * h, position, velocity, work)
@@ -262,7 +291,7 @@ def carry(system, method, t, seconds, steps, position, velocity, work, ledger, w
         elif method == VERLET:
             _verlet(system, now, h, position, velocity, work, ledger)
         else:
-            _stages(system, now, h, 0, position, velocity, work, _CLASSICAL, ledger)
+            _stages(system, now, h, 0, state, work, _CLASSICAL)
             _combine(h, _CLASSICAL[2], position, velocity, work)
         if watched:
             outcome = is_sound(system, method, position, velocity, h, work)
@@ -274,13 +303,15 @@ def carry(system, method, t, seconds, steps, position, velocity, work, ledger, w
 
 
 @lean
-def carry_adaptively(system, t, seconds, tolerance, h, position, velocity, work, ledger):
+def carry_adaptively(system, t, seconds, tolerance, h, state, work):
     """Carry a state over an interval in steps whose estimated error stays below a tolerance, in place.
 
     Args: tolerance: most error of a step, in m for every coordinate and in m/s for every speed; h: first step to try, s.
 
     Returns: (SOUND or UNSTABLE, where steps got too small or too many; next step to try; force evaluations).
     """
+    position, velocity, ledger = state.position, state.velocity, state.ledger
+    tried = State(position, velocity, work.power[: ledger.size])
     done, used, first, tries = 0.0, 0, 0, 0
     error_weight = _DORMAND_PRINCE[3]
     last = error_weight.size - 1
@@ -290,7 +321,7 @@ def carry_adaptively(system, t, seconds, tolerance, h, position, velocity, work,
             step = seconds - done
         for k in range(ledger.size):
             work.power[k] = 0.0
-        _stages(system, t + done, step, first, position, velocity, work, _DORMAND_PRINCE, work.power[: ledger.size])
+        _stages(system, t + done, step, first, tried, work, _DORMAND_PRINCE)
         used += last + 1 - first
         first = 0 if ledger.size else 1
         error = 0.0

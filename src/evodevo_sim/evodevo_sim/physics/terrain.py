@@ -6,8 +6,8 @@ y = 0; none of ceiling: open sky.
 
 from __future__ import annotations
 
-from collections import namedtuple
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,14 +17,27 @@ from ..profiles import profile
 _FAR = 1e9  # m, where a profile's level ends end
 _CLOSE = 1e-9  # m, and of a height: as near as rounding leaves what touches
 
-# x, y (K,): the ground, padded with its level ends, or empty: flat at 0; top: its highest point; ceiling_x, ceiling_depth,
-# bottom: likewise the ceiling, upside down (-y), and its lowest point; empty and infinity where there is none; tip_x, tip_y (T,):
-# the vertices of the ground that an edge of a body can meet between its cells, those that point up; ceiling_tip_x,
-# ceiling_tip_depth: likewise
-Terrain = namedtuple(
-    "Terrain", "x y top ceiling_x ceiling_depth bottom tip_x tip_y ceiling_tip_x ceiling_tip_depth"
+
+class Terrain(NamedTuple):
+    """Ground and ceiling, as kernels take them.  Tips: the vertices that an edge of a body can meet between its cells."""
+
+    x: np.ndarray  # (K,) m, ascending: the ground, padded with its level ends; or empty: flat at 0
+    y: np.ndarray  # (K,) m
+    top: float  # m: its highest point
+    ceiling_x: np.ndarray  # (C,) m: likewise the ceiling; or empty: none
+    ceiling_depth: np.ndarray  # (C,) m: -y of it, upside down
+    bottom: float  # m: its lowest point, or infinity
+    tip_x: np.ndarray  # (T,) m: tips of the ground, those that point up
+    tip_y: np.ndarray  # (T,) m
+    ceiling_tip_x: np.ndarray  # (D,) m: tips of the ceiling
+    ceiling_tip_depth: np.ndarray  # (D,) m: -y of them
+
+
+_NONE = np.zeros(0)
+FLAT = Terrain(
+    x=_NONE, y=_NONE, top=0.0, ceiling_x=_NONE, ceiling_depth=_NONE, bottom=np.inf, tip_x=_NONE, tip_y=_NONE, ceiling_tip_x=_NONE,
+    ceiling_tip_depth=_NONE,
 )
-FLAT = Terrain(*(np.zeros(0),) * 2, 0.0, *(np.zeros(0),) * 2, np.inf, *(np.zeros(0),) * 4)
 
 
 def make_terrain(scene) -> Terrain:

@@ -9,7 +9,7 @@ import numpy as np
 
 
 class Outcome(IntEnum):
-    """How a control step went; the first three are the numbers of `physics.control_step`."""
+    """How a control step went; the first three are the numbers of `physics.soundness`."""
 
     SOUND = 0
     UNSTABLE = 1  # the physics blew up even with finer steps

@@ -8,16 +8,13 @@ import numpy as np
 
 from ..brain.scent import Signals
 from ..kernels.jit import kernel, lean
-from ..physics.control_step import MOST_DOUBLINGS, SOUND, copy_state, finer_may_help, judge
 from ..physics.integrators import System, Work, euler
-from ..physics.rates import MOST_SUBSTEPS
-from ..physics.stability import EULER, bounds, longest_step
+from ..physics.ladder import MOST_DOUBLINGS, Ladder, again, remember
+from ..physics.soundness import judge
+from ..physics.step_size import MOST_SUBSTEPS, choose_walk_steps
 from .contract import Outcome
 from .simulated import BodyState, actuate, read_only, remembered, restore
 
-ACCURATE_EULER = 1.6  # h * (bound of the highest frequency)
-LEAST_STEPS = 4  # in a control step, for contact
-_SAFETY = 0.8  # of the stability limit, where damping sets it
 _STILL = 1e-7  # m/s below which nothing moves any more
 
 
@@ -33,18 +30,13 @@ class GroundedState(NamedTuple):
 
 
 @kernel
-def choose_walk_steps(system, control_step):
-    """Steps of physics in a control step: numbers of accuracy, and of stability where damping is strong."""
-    frequency, damping = bounds(system)
-    need = max(control_step * frequency / ACCURATE_EULER, control_step / (_SAFETY * longest_step(EULER, frequency, damping)))
-    return max(LEAST_STEPS, int(np.ceil(need)))
-
-
-@kernel
 def make_grounded_state(state, scene, terrain, control_step, finer, moves, ledger):
-    """A newborn body, to be laid on the ground.  Args: finer: times as many steps of physics, rounded up; moves: whether it can move at all."""
+    """A newborn body, to be laid on the ground.  Args: finer: times as many steps of physics, rounded up; moves: whether it can."""
     cells, none = state.position.shape[1], np.empty(0)
-    system = System(state.body, state.law, scene.gravity, scene.friction, True, terrain, none, none, none, none, state.rest)
+    system = System(
+        body=state.body, law=state.law, gravity=scene.gravity, friction=scene.friction, ground=True, terrain=terrain, amplitude=none,
+        frequency=none, phase=none, muscle=none, rest=state.rest,
+    )
     work = Work(state.scratch, np.empty((0, 2, cells)), np.empty((1, 2, cells)), np.zeros(4))
     steps = int(np.ceil(finer * choose_walk_steps(system, control_step))) if moves else 0
     return GroundedState(state, system, work, steps, state.position.copy(), ledger)
@@ -52,24 +44,20 @@ def make_grounded_state(state, scene, terrain, control_step, finer, moves, ledge
 
 @lean
 def move(grounded, seconds):
-    """Carry the body over one control step; where that is not sound, again with twice the steps: see `control_step.finer_may_help`."""
+    """Carry the body over one control step; where that is not sound, again with twice the steps: see `physics.ladder`."""
     state, system, work, ledger = grounded.state, grounded.system, grounded.work, grounded.ledger
     position, velocity, scratch = state.position, state.velocity, state.scratch
-    copy_state(position, velocity, scratch.start_position, scratch.start_velocity)
-    for k in range(ledger.size):
-        work.power[k] = ledger[k]
+    ladder = Ladder(MOST_DOUBLINGS, MOST_SUBSTEPS)
+    remember(position, velocity, ledger, scratch)
     doubling, steps = 0, grounded.steps
     while True:
         h = seconds / steps
         for _ in range(steps):
             euler(system, 0.0, h, position, velocity, work, ledger)
         outcome = judge(state.body, position, velocity, h, scratch)
-        if outcome == SOUND or not finer_may_help(outcome, doubling, steps, MOST_DOUBLINGS, MOST_SUBSTEPS):
+        if not again(outcome, doubling, steps, ladder, position, velocity, ledger, scratch):
             return outcome
         doubling, steps = doubling + 1, 2 * steps
-        copy_state(scratch.start_position, scratch.start_velocity, position, velocity)
-        for k in range(ledger.size):
-            ledger[k] = work.power[k]
 
 
 @lean

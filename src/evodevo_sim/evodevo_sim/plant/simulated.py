@@ -9,9 +9,10 @@ import numpy as np
 from ..brain.scent import Signals, normal
 from ..development.body import Body
 from ..kernels.jit import kernel, lean
+from ..physics.bounds import find_drag_rate
 from ..physics.control_step import advance, settle
 from ..physics.forces import Law, Scratch, accelerations, make_law, make_scratch, set_rest_lengths
-from ..physics.rates import MOST_SUBSTEPS, choose_substeps, find_drag_rate, substeps_at_rate
+from ..physics.step_size import MOST_SUBSTEPS, choose_substeps, substeps_at_rate
 from .contract import Outcome
 
 SETTLE_TOLERANCE = 1e-3  # m/s^2
@@ -39,14 +40,14 @@ def make_body_state(body, material, scene, control_step, finer, moves):
     substeps = choose_substeps(body, law, control_step) if moves else 0
     return BodyState(
         body, law, np.empty(body.rest_length.size), body.position.T.copy(), np.zeros((2, body.position.shape[0])), make_scratch(body),
-        substeps if substeps <= MOST_SUBSTEPS else 0, float(finer),
+        substeps if substeps <= MOST_SUBSTEPS else 0, finer,
     )
 
 
 @lean
 def come_to_shape(state, activation):
     """Let a newborn body come to rest in the shape that its muscles hold."""
-    set_rest_lengths(state.body, activation, state.rest)
+    set_rest_lengths(state.body, state.law, activation, state.rest)
     settle(state.body, state.law, state.rest, state.position, state.velocity, SETTLE_TOLERANCE, SETTLE_LIMIT, state.scratch)
 
 
@@ -54,19 +55,19 @@ def come_to_shape(state, activation):
 def actuate(state, activation, signals):
     """Set rest lengths by activation (N,), equation (1); where there is noise of actuation, by a disturbed one, which stays in [-1, 1]."""
     if not signals.noise.size:
-        set_rest_lengths(state.body, activation, state.rest)
+        set_rest_lengths(state.body, state.law, activation, state.rest)
         return
     pull = state.scratch.k1[0]
     for i in range(activation.size):
         pull[i] = activation[i]
         if signals.noise[2] > 0.0:
             pull[i] = min(max(pull[i] + signals.noise[2] * normal(signals.random), -1.0), 1.0)
-    set_rest_lengths(state.body, pull, state.rest)
+    set_rest_lengths(state.body, state.law, pull, state.rest)
 
 
 @lean
 def move(state, seconds):
-    """Carry a swimming body over a control step.  Returns: SOUND, or what was wrong.  `physics.rates.find_drag_rate` comes first."""
+    """Carry a swimming body over a control step.  Returns: SOUND, or what was wrong.  `physics.bounds.find_drag_rate` comes first."""
     substeps = int(np.ceil(state.finer * substeps_at_rate(seconds, state.substeps, state.scratch)))
     return advance(state.body, state.law, state.rest, state.position, state.velocity, seconds, substeps, state.scratch)
 

@@ -21,16 +21,16 @@ from ..genetics.genome import Genome
 from ..kernels.jit import compiling
 from ..parameters import ParameterError, Task, known_kind
 from ..physics.forces import make_law
-from ..physics.integrators import make_system, make_work
-from ..physics.replayed_motion import repeat
-from ..physics.stability import ADAPTIVE, RK4
+from ..physics.integrators import State, make_system, make_work
+from ..physics.replayed_motion import Method, repeat
+from ..physics.step_size import ADAPTIVE, RK4
 from ..task_kinds import names
 from .evaluation import Evaluation, perform
 from .repetition import Run, Way
 
-FINER = 8
+FINER = 8.0
 TOLERANCE = 1e-9  # m and m/s, of a step of the adaptive run
-QUICK_FINER, QUICK_TOLERANCE = 4, 1e-6
+QUICK_FINER, QUICK_TOLERANCE = 4.0, 1e-6
 MOST_CHANGE = 0.01  # of the fitness, and of the sustained distance, by which a champion may change and still stand
 LEAST_CHANGE = 5e-3  # m of sustained distance that is held against nobody: the error that default steps promise
 MOST_ASTRAY = 0.1  # m, by which the last distance of a target may change
@@ -79,9 +79,9 @@ def ways_of(quick: bool) -> tuple[Way, ...]:
     """How the life of a swimmer is repeated."""
     finer, tolerance = (QUICK_FINER, QUICK_TOLERANCE) if quick else (FINER, TOLERANCE)
     return (
-        Way("as evolved", RK4, 1, 0.0, True, False),
-        Way(f"{finer} x finer", RK4, finer, 0.0, not quick, not quick),
-        Way("order 5, adaptive", ADAPTIVE, 1, tolerance, not quick, False),
+        Way("as evolved", RK4, 1.0, 0.0, True, False),
+        Way(f"{finer:g} x finer", RK4, finer, 0.0, not quick, not quick),
+        Way("order 5, adaptive", ADAPTIVE, 1.0, tolerance, not quick, False),
     )
 
 
@@ -103,10 +103,8 @@ def prepare(task: Task = Task(), say: Callable[[str], None] = print) -> None:
     adjacency(edges, 3, 3, start, neighbour)
     body = build_body(position, edges, start, neighbour, task.material.mass)
     system = make_system(body, make_law(task.material.arguments(), task.scene.arguments()))
-    repeat(
-        system, RK4, 1, 1, 0.0, task.control_step, np.zeros((3, 3)), body.position.T.copy(), np.zeros((2, 3)), make_work(body),
-        np.zeros(0), np.zeros((3, 2)),
-    )
+    state = State(body.position.T.copy(), np.zeros((2, 3)), np.zeros(0))
+    repeat(system, Method(RK4, 1, 1.0, 0.0), task.control_step, np.zeros((3, 3)), state, make_work(body), np.zeros((3, 2)))
 
 
 def _faults(runs: Sequence[Run], most_change: float):

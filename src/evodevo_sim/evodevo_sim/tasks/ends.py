@@ -1,7 +1,7 @@
 """How an evaluation can end: the numbers of `evodevo_msgs/Evaluation`, as kernels use them.  `outcome.Status` names them for users."""
 
 from ..kernels.jit import lean
-from ..physics.control_step import INVERTED as TURNED_INSIDE_OUT
+from ..physics.soundness import INVERTED as TURNED_INSIDE_OUT
 
 OK, NO_GROWTH, NO_CHAMBER, RESTING, UNSTABLE, INVERTED, INVALID_GENOME, UNSETTLED, NO_ROOM = range(9)
 

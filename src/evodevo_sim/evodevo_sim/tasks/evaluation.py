@@ -52,7 +52,7 @@ def evaluate(genome: Genome, task: Task = Task(), seed: int = 0) -> Evaluation:
         seed: of whatever the task draws at random: noise, where there is any, and of walking the orientations at birth.
     """
     too_much = over_limit(genome, task)
-    return invalid(too_much) if too_much else task.kind.function("run")(genome, task, seed, 1, *_NOT_KEPT)
+    return invalid(too_much) if too_much else task.kind.function("run")(genome, task, seed, 1.0, *_NOT_KEPT)
 
 
 def prepare(task: Task = Task(), say: Callable[[str], None] = print) -> None:
@@ -68,7 +68,7 @@ def invalid(cause: str) -> Evaluation:
     return failure(Status.INVALID_GENOME, Metrics(), cause=cause)
 
 
-def perform(genome: Genome, task: Task = Task(), seed: int = 0, finer: float = 1) -> Performance:
+def perform(genome: Genome, task: Task = Task(), seed: int = 0, finer: float = 1.0) -> Performance:
     """Evaluate a genome with everything kept, to record, draw or analyse.  Args: finer: times as many substeps, rounded up."""
     genes, model = kernel_arguments(genome, task)
     development = task.development
@@ -84,7 +84,7 @@ def perform(genome: Genome, task: Task = Task(), seed: int = 0, finer: float = 1
         body = build_body(embryo.position, embryo.edges, embryo.start, embryo.neighbour, task.material.mass)
     track = np.full((task.control_steps + 1, cells, 4), np.nan)
     traces = np.full((task.control_steps + 1, cells), np.nan)
-    evaluation = task.kind.function("run")(genome, task, seed, finer, track, traces)
+    evaluation = task.kind.function("run")(genome, task, seed, float(finer), track, traces)
     steering = evaluation.metrics.steering
     return Performance(
         evaluation=evaluation,

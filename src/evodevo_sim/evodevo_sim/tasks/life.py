@@ -6,7 +6,7 @@ fold of a tail carries it (docs/model.md).
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -15,9 +15,11 @@ from ..development.body import build_body
 from ..development.growth import grow
 from ..genetics.regulation import express, prune
 from ..kernels.jit import kernel, lean
-from ..parameters import DevelopmentArguments, MaterialArguments, SceneArguments, TaskArguments
 from ..plant.simulated import BodyState, come_to_shape, make_body_state
 from .ends import NO_CHAMBER, NO_GROWTH, OK, UNSTABLE
+
+if TYPE_CHECKING:
+    from ..parameters import DevelopmentArguments, MaterialArguments, SceneArguments, TaskArguments
 
 
 class Model(NamedTuple):

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..genetics.genome import HEADER, MORPHOGEN, REGULATORY, Genome
+from ..genetics.elements import HEADER, MORPHOGEN, REGULATORY
+from ..genetics.genome import Genome
 from ..parameters import Task
 
 MOST_MEMORY = 2e9  # bytes of one evaluation

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntEnum
 
-from ..physics.rates import MOST_SUBSTEPS
+from ..physics.step_size import MOST_SUBSTEPS
 from . import ends
 
 

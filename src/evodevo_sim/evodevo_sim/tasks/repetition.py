@@ -9,17 +9,17 @@ import numpy as np
 
 from ..parameters import Task
 from ..physics.forces import make_law
-from ..physics.integrators import make_system, make_work
-from ..physics.replayed_motion import repeat
+from ..physics.integrators import State, make_system, make_work
+from ..physics.replayed_motion import Method, repeat
 
 
 class Way(NamedTuple):
-    """A way to repeat a life.  method: see `stability`; finer: times as many substeps; tolerance: of the adaptive method, m and m/s;
+    """A way to repeat a life.  method: see `physics.step_size`; finer: times as many substeps; tolerance: of the adaptive method, m and m/s;
     ledger: whether to keep one; anew: whether the whole life, genes and all, or the motion by the same muscles."""
 
     name: str
     method: int
-    finer: int
+    finer: float
     tolerance: float
     ledger: bool
     anew: bool
@@ -60,11 +60,9 @@ def repeat_motion(body: Any, task: Task, substeps: int, start: np.ndarray, activ
     Args: substeps: at rest; start (N, 2) m; activation (T + 1, N); points: of the path, after the start.
     """
     system = make_system(body, make_law(task.material.arguments(), task.scene.arguments()))
-    position, velocity = np.ascontiguousarray(start.T), np.zeros((2, len(start)))
     ledger, path = np.zeros(4 if way.ledger else 0), np.zeros((points + 1, 2))
-    outcome, gain, chamber = repeat(
-        system, way.method, substeps, way.finer, way.tolerance, task.control_step, activation, position, velocity, make_work(body),
-        ledger, path,
-    )
+    state = State(np.ascontiguousarray(start.T), np.zeros((2, len(start))), ledger)
+    method = Method(way.method, substeps, way.finer, way.tolerance)
+    outcome, gain, chamber = repeat(system, method, task.control_step, activation, state, make_work(body), path)
     gap = abs(gain - ledger.sum()) / max(abs(ledger[1:]).sum(), 1e-12) if way.ledger else 0.0
     return Motion(path, tuple(ledger.tolist()), float(gap), float(chamber), outcome)

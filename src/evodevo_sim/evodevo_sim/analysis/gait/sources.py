@@ -62,6 +62,7 @@ def track_of_motion(own: Any, motion: Any, ground: Ground | None = None) -> Trac
     world = World(
         float(1.0 / own.body.inverse_mass.mean()), **own.stuff._asdict(), drag_normal=system.law.drag_normal,
         drag_tangential=system.law.drag_tangential, gravity=system.gravity,
+        muscle_range=system.law.muscle_range,
     )
     return Track(
         motion.time, motion.position, motion.activation, velocity=motion.velocity, world=world,

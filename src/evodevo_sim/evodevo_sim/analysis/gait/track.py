@@ -27,6 +27,7 @@ class World:
     drag_normal: float = 0.0
     drag_tangential: float = 0.0
     gravity: float = 0.0
+    muscle_range: float = np.nan
 
 
 @dataclass(frozen=True, eq=False)

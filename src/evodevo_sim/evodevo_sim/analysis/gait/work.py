@@ -35,7 +35,7 @@ def work_of(track: Track) -> Work:
     a, b = track.springs.T
     along = track.position[:, b] - track.position[:, a]
     length = np.hypot(along[..., 0], along[..., 1])
-    rest = (1.0 + 0.2 * (track.activation[:, a] + track.activation[:, b])) * track.rest_length
+    rest = (1.0 + w.muscle_range * (track.activation[:, a] + track.activation[:, b])) * track.rest_length
     velocity = track.speeds()
     # Held muscles do their work at once, at the start of a control step.
     then = length[:-1] if track.held else 0.5 * (length[:-1] + length[1:])

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...genetics.genome import Genome
 from ...parameters import Task
-from ...physics.control_step import SOUND
+from ...physics.soundness import SOUND
 from ..audit import Audit, held, ways_of
 from ..evaluation import Performance
 from ..repetition import Run, repeat_motion
@@ -29,7 +29,7 @@ def _kept(genome, task, seed, shown):
     """Track (T + 1, N, 4) and activation (T + 1, N) of one swim."""
     shape = (task.control_steps + 1, task.development.max_cells)
     track, traces = np.full((*shape, 4), np.nan), np.full(shape, np.nan)
-    result = attempt(genome, task, seed, placements(task)[: shown + 1], shown, 1, track, traces)
+    result = attempt(genome, task, seed, placements(task)[: shown + 1], shown, 1.0, (track, traces))
     return track[:, : result.cells], traces[:, : result.cells].copy()
 
 

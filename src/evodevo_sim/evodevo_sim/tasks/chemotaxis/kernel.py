@@ -5,17 +5,19 @@ Every swim starts from a copy of the state at birth.  Targets are placed by the 
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ...brain.controller import Rules
 from ...brain.scent import Signals
 from ...kernels.jit import kernel, lean
-from ...parameters import ChemotaxisArguments
 from ..ends import INVERTED, OK, RESTING, UNSTABLE
 from ..life import Kept, birth
 from ..swim.kernel import course
+
+if TYPE_CHECKING:
+    from ...parameters import ChemotaxisArguments
 
 SAMPLES = 10  # of a path, in each window
 STRAIGHT = -1  # the swim without a target

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...genetics.genome import Genome
 from ...parameters import Task
-from ...physics.control_step import SOUND
+from ...physics.soundness import SOUND
 from ..audit import Audit, held, ways_of
 from ..ends import OK
 from ..evaluation import Evaluation, Performance, perform

@@ -8,7 +8,8 @@ import numpy as np
 
 from ...brain.controller import Controller
 from ...brain.scent import make_signals
-from ...genetics.genome import INPUT_NAMES, Genome
+from ...genetics.elements import INPUT_NAMES
+from ...genetics.genome import Genome
 from ...parameters import Task
 from ...plant.simulated import SwimmingBody
 from ..life import Model, birth

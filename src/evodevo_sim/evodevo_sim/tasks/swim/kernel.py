@@ -12,9 +12,9 @@ import numpy as np
 
 from ...brain.controller import Rules, brain_rests, brain_step
 from ...kernels.jit import kernel, lean
-from ...physics.control_step import SOUND
+from ...physics.bounds import find_drag_rate
 from ...physics.mass import centre_of_mass
-from ...physics.rates import find_drag_rate
+from ...physics.soundness import SOUND
 from ...plant.simulated import actuate, move, rests
 from ..ends import INVERTED, OK, RESTING, UNSTABLE, end_of
 from ..life import Kept, activity, birth, forget, keep, widen

@@ -21,7 +21,7 @@ from .fitness import headings, kernel_arguments, moved, noise, progress, score, 
 from .kernel import walk
 
 STARTS = 16
-FINER, QUICK_FINER = 8, 2
+FINER, QUICK_FINER = 8.0, 2.0
 MOST_CHANGE = 0.25  # of the mean over the starts, by finer steps
 LEAST_SHARE = 0.5  # of the distance, and of the fitness, that the median of other starts must reach
 MOST_GAP, MOST_FINE_GAP = 0.05, 0.01  # of the energy that went through, that may be missing
@@ -33,7 +33,7 @@ def other_headings(seed: int) -> np.ndarray:
     return headings((seed, _OTHER), STARTS)
 
 
-def trial(genome: Genome, task: Task, directions: np.ndarray, finer: float = 1, seed: int = 0) -> Any:
+def trial(genome: Genome, task: Task, directions: np.ndarray, finer: float = 1.0, seed: int = 0) -> Any:
     """(Walk, fitness (S,), ledger (S, 4), positions (T + 1, N, 2) from the first) of a walker from these directions.
 
     Args: seed: of noise.
@@ -62,7 +62,7 @@ def audit(genome: Genome, task: Task, seed: int, first: Performance, most_change
     far, own = _median(progress(result.path, task)[0]), evaluation.metrics.distance
     runs.append(_run(f"mean of {STARTS} other starts", mean, evaluation.fitness, result, ledger, positions, task, body))
     result, fine, ledger, positions = trial(genome, task, others, finer, seed)
-    runs.append(_run(f"mean of those, {finer} x finer", float(fine.mean()), mean, result, ledger, positions, task, body))
+    runs.append(_run(f"mean of those, {finer:g} x finer", float(fine.mean()), mean, result, ledger, positions, task, body))
     faults = list(_faults(runs, evaluation.fitness, median, most_change))
     if not far >= LEAST_SHARE * own:
         faults.append(

@@ -92,7 +92,7 @@ def worse_half(earned: np.ndarray) -> float:
 
 def fitness_by_start(genome: Genome, task: Task, directions: np.ndarray) -> np.ndarray:
     """(S,) m: what a walker earns from each of these orientations (S, 2); nothing where it fails."""
-    result = walk(*kernel_arguments(genome, task), directions, 1, noise(task), NOT_KEPT, np.zeros((len(directions), 0)))
+    result = walk(*kernel_arguments(genome, task), directions, 1.0, noise(task), NOT_KEPT, np.zeros((len(directions), 0)))
     return start_fitness(result, task)
 
 

@@ -13,9 +13,9 @@ import numpy as np
 from ...brain.controller import Rules, brain_rests, brain_step
 from ...brain.scent import Signals
 from ...kernels.jit import kernel, lean
-from ...physics.control_step import SOUND
 from ...physics.energy import stored_energy
 from ...physics.mass import centre_of_mass
+from ...physics.soundness import SOUND
 from ...physics.terrain import clearance
 from ...plant.grounded import GroundedState, fastest, lies_still, make_grounded_state, move
 from ...plant.simulated import actuate

@@ -1,4 +1,4 @@
-"""How fast a body can move: bounds of its frequency, damping and drag, and the substeps of RK4 that follow from them."""
+"""How fast a body can move: upper bounds of its frequency, of its damping by springs and of its damping by drag."""
 
 from __future__ import annotations
 
@@ -6,14 +6,6 @@ import numpy as np
 
 from ..kernels.jit import kernel, lean
 from .forces import Law
-
-# RK4 is stable to h * rate = 2.6 and more.  Its errors are small to 1.5 in the body's own frequency and damping, at rest, and to 1.6
-# in the rate of drag, which grows with speed.  Both at once are too much for one substep: beyond 0.6 in drag it takes two, which
-# follow the body twice as closely (docs/model.md).
-ACCURATE_RK4 = 1.5
-ACCURATE_DRAG = 1.6
-_LONE_DRAG = 0.6
-MOST_SUBSTEPS = 1000  # in a control step; a body that needs more would keep everybody waiting for hours
 
 
 @kernel
@@ -68,15 +60,17 @@ def _gradient(corner, k, size, position):
 
 @kernel
 def damping_bound(body, law):
-    """An upper bound of the strongest damping by springs, 1/s, at rest."""
-    return frequency_bound(body, Law(law.damping, 0.0, 0.0, 0.0, 0.0)) ** 2
+    """An upper bound of the strongest damping by springs, 1/s, at rest: that of a frequency whose stiffness is their damping, squared."""
+    as_stiffness = Law(
+        stiffness=law.damping, damping=0.0, pressure=0.0, drag_normal=0.0, drag_tangential=0.0, muscle_range=law.muscle_range
+    )
+    return frequency_bound(body, as_stiffness) ** 2
 
 
 @kernel
-def choose_substeps(body, law, control_step):
-    """Substeps of RK4 in a control step that a body takes at rest, by its bounds of frequency and damping."""
-    fastest = max(frequency_bound(body, law), damping_bound(body, law))
-    return max(1, int(np.ceil(min(control_step * fastest / ACCURATE_RK4, 1e9))))
+def bounds(system):
+    """Upper bounds of the highest frequency, rad/s, and of the strongest damping by springs, 1/s, at rest."""
+    return frequency_bound(system.body, system.law), damping_bound(system.body, system.law)
 
 
 @lean
@@ -107,20 +101,3 @@ def find_drag_rate(body, law, position, velocity, scratch):
     scratch.rate[0] = 0.0
     if law.drag_normal != 0.0 or law.drag_tangential != 0.0:
         scratch.rate[0] = drag_rate(body, law, position, velocity, scratch.k1[0])
-
-
-@lean
-def substeps_in_drag(body, law, position, velocity, control_step, substeps, scratch):
-    """Substeps in the next control step, from those at rest and the drag at this velocity."""
-    find_drag_rate(body, law, position, velocity, scratch)
-    return substeps_at_rate(control_step, substeps, scratch)
-
-
-@lean
-def substeps_at_rate(control_step, substeps, scratch):
-    """The same for a rate of drag that scratch holds already."""
-    drag = control_step * scratch.rate[0]
-    need = max(drag / ACCURATE_DRAG, 2.0 if drag > _LONE_DRAG else 1.0)
-    if need > substeps:
-        return int(np.ceil(min(need, MOST_SUBSTEPS)))
-    return substeps
