@@ -56,6 +56,7 @@ ORIGINS = {
     "material.stiffness": "saves: they fit 100 to 500. k = c_p = 100 made no better champions: [settings](../results/settings.md)",
     "material.damping": "start",
     "material.pressure": "measured: at c_p ≥ k chambers hardly ever turn inside out: [chambers](../results/chambers.md)",
+    "material.muscle_range": "paper, equation (1); below a half no spring shrinks to nothing",
     "scene.drag_normal": "measured: [settings](../results/settings.md), [yardstick](../results/yardstick.md)",
     "scene.drag_tangential": "paper: d_N = 200 d_T. Change both together",
     "scene.gravity": "walk: measured: at 9.81 more bodies fold up while they settle: [walking](walking.md#fitness)",

@@ -17,7 +17,7 @@ import evodevo_sim.analysis.gait
 import pytest
 from ament_index_python.packages import get_package_prefix
 from evodevo_sim.own_body.motion import SCENES
-from evodevo_sim.physics.stability import INTEGRATORS
+from evodevo_sim.physics.step_size import INTEGRATORS
 from evodevo_sim.ros.command_line import see_it
 from evodevo_sim.tasks.audit import MOST_CHANGE
 from evodevo_sim.tasks.walk.audit import MOST_CHANGE as MOST_WALK_CHANGE

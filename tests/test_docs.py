@@ -14,14 +14,6 @@ DOCS = ROOT / "docs"
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted(DOCS.rglob("*.md"))]
 SIM, GA = ROOT / "src/evodevo_sim/evodevo_sim", ROOT / "src/evodevo_ga/evodevo_ga"
 OURS = ("src/", "docs/", "tests/", "benchmarks/", "scripts/", "examples/", "bags/sample-", "launch/")
-# Sources of kernels that name pages by other paths: a word there compiles all kernels anew, so it changes with the next change of theirs.
-AWAITED = {
-    "src/evodevo_sim/evodevo_sim/parameters.py: docs/model.md",
-    "src/evodevo_sim/evodevo_sim/physics/rates.py: docs/model.md",
-    "src/evodevo_sim/evodevo_sim/task_kinds.py: docs/tasks.md",
-    "src/evodevo_sim/evodevo_sim/tasks/life.py: docs/model.md",
-    "src/evodevo_sim/evodevo_sim/tasks/swim/kernel.py: docs/model.md",
-}
 TEXT = {page: page.read_text(encoding="utf-8") for page in PAGES}
 NAMES = [str(page.relative_to(ROOT)) for page in PAGES]
 

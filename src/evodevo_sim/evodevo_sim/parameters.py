@@ -1,7 +1,7 @@
 """Every number of the model that the paper leaves open, with its unit, default and range.
 
 The dataclasses mirror the messages of the same names in `evodevo_msgs`.  What was chosen, and the measurement that made us
-choose it, stands in `docs/model.md`.
+choose it, stands in `docs/reference/model.md`.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """What a task is, in one type, and the table of all tasks.  Whoever needs to know what a task does asks here, not for its name.
 
-    register(TaskKind("climb", "gain height on steps", run="my_tasks.climb:run", ...))      # docs/tasks.md
+    register(TaskKind("climb", "gain height on steps", run="my_tasks.climb:run", ...))      # docs/guide/task.md
 
 Functions may be named as "module:function", so that this table loads nothing until somebody needs it.
 """

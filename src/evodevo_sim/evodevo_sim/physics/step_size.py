@@ -22,7 +22,7 @@ EULER, VERLET, RK4, ADAPTIVE = range(4)
 
 # RK4 is stable to h * rate = 2.6 and more.  Its errors are small to 1.5 in the body's own frequency and damping, at rest, and to 1.6
 # in the rate of drag, which grows with speed.  Both at once are too much for one substep: beyond 0.6 in drag it takes two, which
-# follow the body twice as closely (docs/model.md).
+# follow the body twice as closely (docs/reference/model.md).
 ACCURATE_RK4 = 1.5
 ACCURATE_DRAG = 1.6
 _LONE_DRAG = 0.6

@@ -1,7 +1,7 @@
 """What every task's animats share: growth, birth, and what is kept of a life.
 
 An animat is born at rest in the shape that its own network holds, so that neither the first jump of the rest lengths nor one
-fold of a tail carries it (docs/model.md).
+fold of a tail carries it (docs/reference/model.md).
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The swimming task (paper section 4.2): growth, rest with the muscles where the network holds them, then locomotion.
 
 A swimmer starts from rest in the shape that its own network holds at birth, so that neither the first jump of the rest
-lengths nor one fold of a tail carries it; what pays is motion that lasts to the end (docs/model.md).
+lengths nor one fold of a tail carries it; what pays is motion that lasts to the end (docs/reference/swimming.md).
 """
 
 from __future__ import annotations
