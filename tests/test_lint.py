@@ -1,11 +1,13 @@
 """The linter and the type checker find nothing, nothing is kept from them without a reason, and they hold the edge."""
 
+import ast
 import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from evodevo_sim.kernels.jit import kernel_sources
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDERS = ("src", "tests", "benchmarks", "scripts", "examples")
@@ -23,6 +25,30 @@ def test_whatever_is_silenced_says_what_and_why():
     silenced = [(file, match[0]) for file in files for line in file.read_text().splitlines() if (match := SILENCED.search(line))]
     assert len(files) > 200 and len(silenced) > 5
     assert not [f"{file}: {text}" for file, text in silenced if not REASONED.search(text)]
+
+
+def public_functions(body, prefix="", inside=False):
+    """(dotted name, function, whether its first argument is the object) of a module or class, those with a leading underscore left out."""
+    for node in body:
+        if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+            yield from public_functions(node.body, f"{prefix}{node.name}.", True)
+        elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and (node.name == "__init__" or not node.name.startswith("_")):
+            static = any(isinstance(one, ast.Name) and one.id == "staticmethod" for one in node.decorator_list)
+            yield prefix + node.name, node, inside and not static
+
+
+def untyped(node, inside):
+    taken = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs][inside:]
+    taken += [one for one in (node.args.vararg, node.args.kwarg) if one]
+    return [one.arg for one in taken if one.annotation is None] + ["return"] * (node.returns is None and node.name != "__init__")
+
+
+def test_public_functions_outside_of_compiled_code_have_types():
+    compiled = {Path(source).resolve() for source in kernel_sources()}
+    files = [file for file in ROOT.glob("src/evodevo_*/evodevo_*/**/*.py") if file.resolve() not in compiled]
+    found = [(file, *one) for file in files for one in public_functions(ast.parse(file.read_text()).body)]
+    assert len(files) > 100 and len(found) > 300
+    assert not [f"{file}: {name}: {lacks}" for file, name, node, inside in found if (lacks := untyped(node, inside))]
 
 
 @pytest.mark.parametrize("place, allowed", [

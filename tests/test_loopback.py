@@ -59,7 +59,7 @@ def test_nodes_of_others_on_this_host_are_heard_and_hear_us():
         try:
             assert operator.call(Trigger, f"{NAMESPACE}/ours_calls") is not None
             os.set_blocking(process.stdout.fileno(), False)
-            operator.until(lambda: "heard" in process.stdout.read())
+            operator.until(lambda: b"heard" in (process.stdout.buffer.read() or b""))  # None: nothing yet
         finally:
             process.terminate()
             process.wait(DEADLINE)
