@@ -209,7 +209,8 @@ def test_drag_of_a_bar_that_is_drawn_across():
     time = np.linspace(0, 2, 100)
     position = np.array([(0.0, 0.0), (1.5, 0.0)]) + np.stack((0 * time, 0.7 * time), axis=-1)[:, None]
     body = body_of([(0, 0), (1.5, 0)])
-    track = Track(time, position, np.zeros((100, 2)), world=World(1.0, 400.0, 10.0, 400.0, 40.0, 0.2, muscle_range=0.2), **parts_of_body(body))
+    world = World(1.0, 400.0, 10.0, 400.0, 40.0, 0.2, muscle_range=0.2)
+    track = Track(time, position, np.zeros((100, 2)), world=world, **parts_of_body(body))
     work = work_of(track)
     assert work.drag == pytest.approx(-40.0 * 1.5 * 0.7**3 * 2, rel=1e-6)
     assert work.muscle == 0.0 and work.damping == pytest.approx(0.0, abs=1e-12) and work.gain == pytest.approx(0.0, abs=1e-9)

@@ -27,7 +27,9 @@ from evodevo_msgs.msg import Audit, CellStates
 
 BAGS = Path(__file__).parents[1] / "bags"
 SAMPLES = ["sample-swim", "sample-walk", "sample-chemotaxis"]
-KEPT = ("settings", "statistics", "champions", "audits", "growth", "growth_bodies", "body", "states", "actuation", "targets", "gait", "scene")
+KEPT = (
+    "settings", "statistics", "champions", "audits", "growth", "growth_bodies", "body", "states", "actuation", "targets", "gait", "scene",
+)
 QUICK = settings(max_examples=25, deadline=None)
 
 
@@ -337,7 +339,8 @@ def test_what_is_recorded_now_opens_for_readers_that_know_less(tmp_path, monkeyp
     with AnyReader([tmp_path / "run"]) as foreign:
         read = [foreign.deserialize(raw, c.msgtype) for c, _, raw in foreign.messages() if c.topic == "/actuation"]
         assert [(m.step, m.activation.tolist()) for m in read] == [(m.step, m.activation.tolist()) for m in acts]
-        assert [foreign.deserialize(raw, c.msgtype).scheme for c, _, raw in foreign.messages() if c.msgtype.endswith("Evolution")] == ["niches"]
+        settings = [foreign.deserialize(raw, c.msgtype) for c, _, raw in foreign.messages() if c.msgtype.endswith("Evolution")]
+        assert [one.scheme for one in settings] == ["niches"]
     known = [topic for topic in topics.TOPICS if topic is not topics.ACTUATION]
     monkeypatch.setattr(topics, "TOPICS", known)
     ours = decoding.definition

@@ -63,7 +63,8 @@ def assert_same_forces(body, law, state):
 
 @settings(max_examples=60, deadline=None)
 @given(
-    SEEDS, st.integers(2, 40), st.sampled_from([LAW, LAW._replace(damping=0.0), LAW._replace(pressure=0.0), Law(1.0, 2.0, 3.0, 0.0, 4.0, 0.2)])
+    SEEDS, st.integers(2, 40),
+    st.sampled_from([LAW, LAW._replace(damping=0.0), LAW._replace(pressure=0.0), Law(1.0, 2.0, 3.0, 0.0, 4.0, 0.2)]),
 )
 def test_forces_are_the_law(seed, cells, law):
     rng = np.random.default_rng(seed)

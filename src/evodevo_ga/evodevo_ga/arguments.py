@@ -47,7 +47,8 @@ The run's directory holds a rosbag2 recording in MCAP and champion.yaml. See it 
   ros2 run evodevo_sim replay DIR
 
 Exit code: 0; 1 where nothing viable evolved, the best of all having failed; 2 for bad input, or where no simulator is left; 130
-where Ctrl-C, SIGTERM or a terminal that closed ended it early. That ends in good order: the best animat is audited and recorded. A second Ctrl-C ends at once, and keeps what was recorded.
+where Ctrl-C, SIGTERM or a terminal that closed ended it early. That ends in good order: the best animat is audited and recorded.
+A second Ctrl-C ends at once, and keeps what was recorded.
 A closed output, as of `evolve | head`, ends nothing.
 """
 _NUMBER = {int: whole_number, float: real_number}
@@ -71,7 +72,8 @@ def parse(arguments: list[str]) -> Options:
     parser = Parser("evolve", "Evolve soft-bodied animats that grow from one cell and move without a central controller.", _EPILOG)
     what = f"what to evolve for: {', '.join(names())} (default %(default)s)"
     parser.add_argument("--task", default=names()[0], metavar="NAME", help=what)
-    parser.add_argument("--world", metavar="NAME|FILE", help="walk: flat, slope, steps, rough, obstacles, gap, or a file of your own (default flat)")
+    worlds = "walk: flat, slope, steps, rough, obstacles, gap, or a file of your own (default flat)"
+    parser.add_argument("--world", metavar="NAME|FILE", help=worlds)
     starts = f"walk: orientations at birth, of which the worse half counts (default {default_task('walk').starts})"
     parser.add_argument("--starts", type=whole_number, metavar="N", help=starts)
     parser.add_argument("--cells", default=32, type=whole_number, metavar="N", help="most cells of a body (default %(default)s)")

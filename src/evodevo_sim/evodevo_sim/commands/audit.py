@@ -34,7 +34,8 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("source", metavar="GENOME|BAG", help="a genome file, or the recording of a run")
     parser.add_argument("--task", default=names()[0], metavar="NAME", help=f"for a genome: {', '.join(names())} (default %(default)s)")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="for a genome: a number of its task")
-    parser.add_argument("--within", type=real_number, metavar="X", help="change that still stands, relative (default 0.01, of walkers 0.25)")
+    within = "change that still stands, relative (default 0.01, of walkers 0.25)"
+    parser.add_argument("--within", type=real_number, metavar="X", help=within)
     given = parser.parse_args(without_ros(sys.argv[1:] if arguments is None else arguments))
     need_no_graph()
     from ..genetics.genome import GenomeError

@@ -34,10 +34,13 @@ def _parse(arguments: list[str]):
     parser.add_argument("source", metavar="GENOME|BAG", help="a genome file, or the recording of a run")
     parser.add_argument("--targets", default="random", metavar="random|FILE|BAG", help="where targets come from (default %(default)s)")
     parser.add_argument("--count", type=whole_number, metavar="N", help="targets (default: 10 random ones, or all)")
-    parser.add_argument("--distance", type=real_number, nargs=2, default=(4.0, 12.0), metavar="M", help="of random targets, from and to (default 4 12)")
+    distance = "of random targets, from and to (default 4 12)"
+    parser.add_argument("--distance", type=real_number, nargs=2, default=(4.0, 12.0), metavar="M", help=distance)
     parser.add_argument("--seed", type=whole_number, default=1, metavar="N", help="of random targets (default %(default)s)")
-    parser.add_argument("--each", type=real_number, default=60.0, metavar="S", help="simulated seconds for each target (default %(default)s)")
-    parser.add_argument("--capture", type=real_number, default=3.0, metavar="M", help="distance that counts as captured (default %(default)s)")
+    each = "simulated seconds for each target (default %(default)s)"
+    parser.add_argument("--each", type=real_number, default=60.0, metavar="S", help=each)
+    capture = "distance that counts as captured (default %(default)s)"
+    parser.add_argument("--capture", type=real_number, default=3.0, metavar="M", help=capture)
     pace = "simulated s per s; beyond about 5, cell states are missed and targets come late (default %(default)s)"
     parser.add_argument("--real-time-factor", type=real_number, default=1.0, metavar="X", help=pace)
     parser.add_argument("--simulator", metavar="NAMESPACE", help="of a simulator node on the graph (default: one of our own)")
@@ -49,7 +52,8 @@ def _parse(arguments: list[str]):
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
     given = parser.parse_args(without_ros(arguments))
     for name, value, least, most in (
-        ("--each", given.each, 1e-3, 1e6), ("--capture", given.capture, 1e-3, 1e6), ("--count", 1 if given.count is None else given.count, 1, 10**9),
+        ("--each", given.each, 1e-3, 1e6), ("--capture", given.capture, 1e-3, 1e6),
+        ("--count", 1 if given.count is None else given.count, 1, 10**9),
         ("--real-time-factor", given.real_time_factor, 0.01, 100.0), ("--seed", given.seed, 0, 2**63),
     ):
         if not least <= value <= most:

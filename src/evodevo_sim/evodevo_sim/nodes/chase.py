@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import rclpy
 from rclpy.experimental import EventsExecutor
+from rclpy.task import Future
 from tqdm import tqdm
 
 from evodevo_msgs.srv import Load
@@ -49,7 +50,8 @@ def chase(given, arguments: list[str]) -> int:
     stay_on_this_host()
     champion = champion_of(given.source, pairs(given.set), "chemotaxis", warn("chase"))
     if not champion.task.has_target:
-        raise ParameterError(f"{given.source} was evolved for {champion.task.name}, without targets: give its champion.yaml, or another run")
+        made = f"{given.source} was evolved for {champion.task.name}"
+        raise ParameterError(f"{made}, without targets: give its champion.yaml, or another run")
     targets = _targets(given)
     stop = threading.Event()  # looked at between messages: an exception could come in the middle of a write
     with ExitStack() as stack:
@@ -98,7 +100,8 @@ class Chase:
         self.closest: list[float] = []
         self.target: np.ndarray | None = None
         self.ended = False
-        self._answer, self._lives = None, False
+        self._answer: Future | None = None
+        self._lives = False
         self._since, self._step = 0.0, -1
         self._bar: Any = None  # of tqdm
 

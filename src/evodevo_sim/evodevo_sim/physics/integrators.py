@@ -91,8 +91,7 @@ def make_system(body, law, gravity=0.0, friction=0.0, ground=False, drive=None, 
     cells = len(body.position)
     drive = tuple(np.zeros(0) for _ in range(3)) if drive is None else tuple(np.array(a, np.float64) for a in drive)
     return System(
-        body, law, float(gravity), float(friction), bool(ground), terrain, *drive, muscle=np.zeros(cells),
-        rest=body.rest_length.astype(np.float64),
+        body, law, float(gravity), float(friction), bool(ground), terrain, *drive, np.zeros(cells), body.rest_length.astype(np.float64),
     )
 
 

@@ -14,8 +14,8 @@ from ..physics.replayed_motion import Method, repeat
 
 
 class Way(NamedTuple):
-    """A way to repeat a life.  method: see `physics.step_size`; finer: times as many substeps; tolerance: of the adaptive method, m and m/s;
-    ledger: whether to keep one; anew: whether the whole life, genes and all, or the motion by the same muscles."""
+    """A way to repeat a life.  method: see `physics.step_size`; finer: times as many substeps; tolerance: of the adaptive method,
+    m and m/s;    ledger: whether to keep one; anew: whether the whole life, genes and all, or the motion by the same muscles."""
 
     name: str
     method: int
