@@ -130,7 +130,7 @@ def test_bad_input_is_one_line(genome, tmp_path, capsys):
     for arguments, says in (
         ([str(tmp_path / "none.yaml")], "No such file"), ([str(tmp_path / "b.yaml")], "not a genome file"),
         ([str(tmp_path)], "holds no .mcap file"), ([a, "--within", "nan"], "--within is nan"),
-        ([a, "--set", "control_step=0"], "task.control_step is 0.0"),
+        ([a, "--set", "control_step=0"], "task.control_step is 0"),
         ([str(tmp_path), "--set", "control_steps=4"], "names its own task"),
     ):
         with pytest.raises(SystemExit) as raised:

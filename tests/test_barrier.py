@@ -29,7 +29,9 @@ def evaluate(genome, task, seed):
         raise MemoryError("no room" * 1000)
     return right(genome, task, seed)
 simulator.evaluate = evaluate
-sys.exit(simulator.main(["--ros-args", "-r", "__ns:={namespace}"]))
+from evodevo_sim.commands.entry import simulator as entry
+sys.argv = ["simulator", "--ros-args", "-r", "__ns:={namespace}"]
+sys.exit(entry())
 """
 
 

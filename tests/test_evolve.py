@@ -107,7 +107,7 @@ def test_the_papers_scheme_ends_by_patience_alone():
 
 
 def test_champions_that_fail_their_audit_are_marked_and_change_nothing_else(tmp_path, in_process):
-    code = "import evodevo_sim.tasks.audit as audit; audit.MOST_GAP = -1.0; from evodevo_ga.evolve import main; main()"
+    code = "import evodevo_sim.tasks.audit as audit; audit.MOST_GAP = -1.0; from evodevo_ga.evolve import main; raise SystemExit(main())"
     command = [sys.executable, "-c", code, *SMALL, "--simulators", "1", "--out", str(tmp_path / "run")]
     done = subprocess.run(command, capture_output=True, text=True, timeout=DEADLINE)
     assert done.returncode == 0, done.stderr
@@ -118,7 +118,7 @@ def test_champions_that_fail_their_audit_are_marked_and_change_nothing_else(tmp_
     assert "audit: 'FAILED: " in (tmp_path / "run/champion.yaml").read_text()
     assert load_genome(tmp_path / "run/champion.yaml") == in_process[0].champion.genome
     assert "fails its audit" in headline(recording, life_of(recording))[1]
-    assert "| audit | **failed:** as evolved" in markdown(recording, life_of(recording))
+    assert "**Audit:** **failed:** as evolved" in markdown(recording, life_of(recording))
 
 
 @pytest.mark.parametrize("count, servers", [(0, 2), (1, 2), (7, 1), (100, 2), (1000, 8)])

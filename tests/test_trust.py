@@ -16,7 +16,7 @@ from evodevo_ga.fleet import Fleet, FleetError
 from evodevo_ga.in_process import evaluate_all
 from evodevo_ga.operators import crossover, duplicate
 from evodevo_sim.genetics.elements import REGULATORY, TRANSCRIPTION_FACTOR
-from evodevo_sim.genetics.genome import MAX_ELEMENTS
+from evodevo_sim.genetics.limits import MAX_ELEMENTS
 from evodevo_sim.live.animat import Animat, NotViable
 from evodevo_sim.parameters import with_settings
 from evodevo_sim.recording import read_recording

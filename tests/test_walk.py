@@ -221,7 +221,7 @@ def test_the_command_line_takes_worlds_and_starts(tmp_path, capsys):
     assert task.scene.gravity == default_task("walk").scene.gravity
     for arguments, says in (
         (["--task", "walk", "--world", "ruff"], "did you mean 'rough'"),
-        (["--world", "rough"], "a world is for the task walk"),
+        (["--world", "rough"], "a world is for tasks that happen on the ground, such as walk: swim has no ground"),
         (["--task", "walk", "--set", "scene.friction=-1"], "scene.friction is -1"),
         (["--task", "walk", "--starts", "0"], "task.starts is 0"),
         (["--task", "walk", "--set", "scene.ground_x=3"], "give a world"),

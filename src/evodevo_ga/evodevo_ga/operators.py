@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 from evodevo_sim.genetics.elements import HEADER, INPUT_NAMES, MORPHOGEN, TRANSCRIPTION_FACTOR
-from evodevo_sim.genetics.genome import MAX_ELEMENTS, Genome
+from evodevo_sim.genetics.genome import Genome
+from evodevo_sim.genetics.limits import MAX_ELEMENTS
 
 SCENT = INPUT_NAMES.index("scent")
 _SIGN_TOO, _ANYWHERE = 0.1, 0.2

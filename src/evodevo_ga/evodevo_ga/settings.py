@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from evodevo_sim.genetics.elements import HEADER
-from evodevo_sim.genetics.genome import MAX_ELEMENTS
+from evodevo_sim.genetics.limits import MAX_ELEMENTS
 from evodevo_sim.parameters import Checked, ParameterError, parameter
 
 UNLIMITED = 1_000_000_000  # generations: more than any run takes, so that patience ends it

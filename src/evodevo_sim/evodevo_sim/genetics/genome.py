@@ -8,8 +8,8 @@ import numpy as np
 
 from ..inputs import InputError
 from .elements import HEADER, KINDS, MORPHOGEN, REGULATORY, SPECIAL, TRANSCRIPTION_FACTOR
+from .limits import MAX_ELEMENTS
 
-MAX_ELEMENTS = 4_000  # up to 2,000 units; weights take 48 bytes for each pair of them, so that an evaluation takes less than 0.5 GB
 MAX_COORDINATE = 1e6
 
 
