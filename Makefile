@@ -10,7 +10,7 @@ help:
 	@echo 'make setup                        install and build what is missing; PYTHON=... chooses the interpreter'
 	@echo 'make evolve [ARGS="..."]          evolve: ros2 run evodevo_ga evolve ARGS'
 	@echo 'make replay [ARGS="..."]          show a recording: ros2 run evodevo_sim replay ARGS'
-	@echo 'make test [ARGS="..."]            run the tests: pytest tests ARGS'
+	@echo 'make test [ARGS="..."]            run the tests, two files at a time: pytest tests ARGS'
 	@echo 'make lint                         check the code by ruff and mypy, as the tests do too'
 	@echo 'make bench [ARGS="..."]           measure: benchmarks/run.py ARGS; ARGS=--quick for a look'
 	@echo 'make peers                        install the other engines that `make bench` compares with'
@@ -30,9 +30,9 @@ replay: setup
 lint: setup
 	@$(in_environment) scripts/lint.sh
 
-# Each run has a ROS domain of its own.
+# Each run has ROS domains of its own, one for each of the two processes that share the files.
 test: setup
-	@ROS_DOMAIN_ID=$${ROS_DOMAIN_ID:-$$(shuf -i 1-100 -n 1)} $(in_environment) python -m pytest tests $(ARGS)
+	@ROS_DOMAIN_ID=$${ROS_DOMAIN_ID:-$$(shuf -i 1-100 -n 1)} $(in_environment) python -m pytest tests -n 2 --dist loadfile $(ARGS)
 
 bench: setup
 	@$(in_environment) python benchmarks/run.py $(ARGS)

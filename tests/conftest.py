@@ -8,7 +8,10 @@ from evodevo_sim.ros.process import stay_on_this_host
 from values import guard, value_classes
 
 stay_on_this_host()
-os.environ.setdefault("ROS_DOMAIN_ID", str(random.randint(1, 100)))
+_DOMAINS = 200  # of those that Fast DDS has ports for
+_chosen = int(os.environ.setdefault("ROS_DOMAIN_ID", str(random.randint(1, 100))))
+_worker = int(os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw"))
+os.environ["ROS_DOMAIN_ID"] = str((_chosen - 1 + 67 * _worker) % _DOMAINS + 1)  # one for each process that runs tests
 
 
 _loaded = 0  # modules, when last looked

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from evodevo_sim.command_process import command
+from evodevo_sim.command_process import Main, command
 
 
 @command(code_of=lambda number: 130)  # a run that any signal ended early is the same: what was done is kept
-def evolve():
+def evolve() -> Main:
     from .evolve_command import main
 
     return main

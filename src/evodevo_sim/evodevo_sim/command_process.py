@@ -25,10 +25,11 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from typing import Any
 
+Main = Callable[[list[str]], int]  # a command: its arguments in, its exit code out
 _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 _GONE = (errno.EPIPE, errno.EIO)  # the reader of a pipe left; a terminal was closed
 
@@ -41,7 +42,7 @@ _rule: list[Callable[[int], int]] = [lambda number: 128 + number]  # the last on
 
 
 @contextmanager
-def if_ended(undo: Callable[[], None]):
+def if_ended(undo: Callable[[], None]) -> Iterator[None]:
     """Where a signal ends the process in this context, `undo` is called before, in another thread than this one."""
     _ending.append(undo)
     try:
@@ -51,7 +52,7 @@ def if_ended(undo: Callable[[], None]):
 
 
 @contextmanager
-def heeded(ask: Callable[[int], None]):
+def heeded(ask: Callable[[int], None]) -> Iterator[None]:
     """In this context the first signal does nothing but call `ask` with its number: the work goes on to a good end."""
     _asked.append(ask)
     try:
@@ -67,14 +68,14 @@ def exit_code(otherwise: int = 0) -> int:
 
 def end_now(code: int) -> None:
     """End the process, whatever its other threads do, after what `if_ended` was given.  They say nothing more."""
-    sys.stdout = sys.stderr = open(os.devnull, "w")  # noqa: SIM115  # as long as the process lives
+    sys.stdout = sys.stderr = open(os.devnull, "w")  # noqa: SIM115  (as long as the process lives)
     for undo in _ending[::-1]:  # as it is: the other thread may leave its contexts meanwhile
         with suppress(Exception):  # the next one must have its turn
             undo()
     os._exit(code)
 
 
-def command(load: Callable[[], Callable[[list[str]], int]] | None = None, *, code_of: Callable[[int], int] | None = None):
+def command(load: Callable[[], Main] | None = None, *, code_of: Callable[[int], int] | None = None) -> Any:
     """Make an entry point, without arguments, of a function that imports and returns a `main`.
 
     Args: code_of: the exit code after a signal, by its number.
@@ -179,7 +180,7 @@ class _Outlet(io.FileIO):
     failure: OSError | None = None
     _dead = False
 
-    def write(self, data: Any) -> int | None:  # type: ignore[override]  # of bytes or any buffer, as its base
+    def write(self, data: Any) -> int:
         if not self._dead:
             try:
                 return super().write(data)
@@ -213,7 +214,7 @@ def _open_descriptors() -> None:
 
 def _wrap_streams() -> None:
     """Let the readers of standard output and error leave."""
-    sys.stdin = sys.stdin or open(0, closefd=False)  # noqa: SIM115  # as long as the process lives
+    sys.stdin = sys.stdin or open(0, closefd=False)  # noqa: SIM115  (as long as the process lives)
     for name, number in (("stdout", 1), ("stderr", 2)):
         before = getattr(sys, name)
         encoding, errors = (before.encoding, before.errors) if before else ("utf-8", "backslashreplace")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import re
 import reprlib
+from collections.abc import Iterable
 
 MOST_CHARACTERS = 270  # of an error's message; a command adds its name and a hint, and stays within 300
 _DECIMAL = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
@@ -59,6 +60,6 @@ def decimal(text: str) -> int | float | None:
     return float(text)
 
 
-def nearest(word: object, known) -> str:
+def nearest(word: object, known: Iterable[str]) -> str:
     """The one of `known` that is spelt most like `word`."""
     return difflib.get_close_matches(str(word)[:100], known, 1, 0.0)[0]

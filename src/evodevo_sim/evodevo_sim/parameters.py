@@ -10,6 +10,7 @@ import dataclasses
 import math
 from collections import namedtuple
 from dataclasses import dataclass, field
+from typing import Any
 
 from .inputs import InputError, decimal, nearest, shown
 from .profiles import fault
@@ -24,7 +25,7 @@ class ParameterError(InputError, ValueError):
     """A setting that cannot work; the message names it, its value and what would."""
 
 
-def parameter(default, low, high, unit, meaning):
+def parameter(default: Any, low: float, high: float, unit: str, meaning: str) -> Any:
     """A documented number of a parameter class, refused outside [low, high]."""
     return field(default=default, metadata={"range": (low, high), "unit": unit, "meaning": meaning})
 
@@ -49,7 +50,7 @@ class Checked:
                 raise ParameterError(f"{where} is {shown(value)}: give {kind} from {low:g} to {high:g} {item.metadata['unit']}".rstrip())
             object.__setattr__(self, item.name, converted)
 
-    def arguments(self):
+    def arguments(self) -> Any:
         """The numeric fields as the named tuple that kernels take."""
         names = ARGUMENTS[type(self)]._fields
         return ARGUMENTS[type(self)](*(getattr(self, name) for name in names))

@@ -2,60 +2,60 @@
 
 from __future__ import annotations
 
-from ..command_process import command
+from ..command_process import Main, command
 
 
 @command
-def audit():
+def audit() -> Main:
     from .audit import main
 
     return main
 
 
 @command
-def chase():
+def chase() -> Main:
     from .chase import main
 
     return main
 
 
 @command
-def gait():
+def gait() -> Main:
     from .gait import main
 
     return main
 
 
 @command
-def replay():
+def replay() -> Main:
     from .replay import main
 
     return main
 
 
 @command
-def request():
+def request() -> Main:
     from .request import main
 
     return main
 
 
 @command
-def simulate():
+def simulate() -> Main:
     from .simulate import main
 
     return main
 
 
 @command(code_of=lambda number: 0)  # a signal is how a node is told to end
-def simulator():
+def simulator() -> Main:
     from .simulator import main
 
     return main
 
 
 @command
-def turning():
+def turning() -> Main:
     from .turning import main
 
     return main

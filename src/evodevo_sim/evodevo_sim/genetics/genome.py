@@ -59,7 +59,7 @@ class Genome:
         """The genome as bytes: equal genomes, and only they, have equal keys."""
         return self.kind.tobytes() + self.sign.tobytes() + self.x.tobytes() + self.y.tobytes()
 
-    def take(self, index) -> Genome:
+    def take(self, index: np.ndarray) -> Genome:
         """The genome of the elements at `index`, in that order."""
         return Genome(self.kind[index], self.sign[index], self.x[index], self.y[index])
 

@@ -41,7 +41,7 @@ class ChaseError(RuntimeError):
     """The chase cannot go on; the message says why."""
 
 
-def chase(given, arguments: list[str]) -> int:
+def chase(given: argparse.Namespace, arguments: list[str]) -> int:
     """Chase as the command line says.
 
     Args: given: what `chase_command` parsed; arguments: those of ROS among them.  Returns: the exit code.

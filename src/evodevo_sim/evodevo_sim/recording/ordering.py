@@ -27,10 +27,12 @@ def lives(stamps: Sequence[int], times: Sequence[int]) -> list[list[int]]:
             late = [] if top is None or stamp >= top else [*late, i]
             found[-1][stamp] = i  # also of one that was sent again
             top = stamp if top is None else max(top, stamp)
-        else:  # a stamp comes again: what came just before it, below the others, is of the new life too
-            for k in late:
+        else:  # a stamp comes again: what came just before it, below the others, may be of the new life too
+            began, ended = times[i] - stamp, times[found[-1][top]] - top  # how far records are behind stamps, in either life
+            early = [k for k in late if abs(times[k] - stamps[k] - began) < abs(times[k] - stamps[k] - ended)]
+            for k in early:
                 del found[-1][stamps[k]]
-            found.append({stamps[k]: k for k in (*late, i)})
+            found.append({stamps[k]: k for k in (*early, i)})
             top, late = max(found[-1]), []
     if found:
         found[-1:] = _parted(found[-1], times)

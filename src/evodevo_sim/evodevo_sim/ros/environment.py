@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -68,7 +69,7 @@ def _check_log() -> None:
 
 
 @contextmanager
-def started(name: str, arguments: list[str]):
+def started(name: str, arguments: list[str]) -> Iterator[None]:
     """ROS, as a context.  Raises EnvironmentFault where it does not start, or ROS's own arguments are malformed."""
     import rclpy
     from rclpy.impl.implementation_singleton import rclpy_implementation as rcl

@@ -116,7 +116,7 @@ def cell_states_message(
     )
 
 
-def actuation_message(activation, step: int, stamp: float, frame: str = "world") -> msg.Actuation:
+def actuation_message(activation: Any, step: int, stamp: float, frame: str = "world") -> msg.Actuation:
     """What the muscles are told to do in a control step.
 
     Args: activation (N,) of e - c; step: control step that it drives; stamp: simulated s, at its end.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 import threading
+from collections.abc import Callable
 
 import rclpy
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
@@ -25,7 +26,7 @@ def stay_on_this_host() -> None:
     prefer_loopback()
 
 
-def run(make_node, parser: argparse.ArgumentParser, arguments: list[str]) -> int:
+def run(make_node: Callable, parser: argparse.ArgumentParser, arguments: list[str]) -> int:
     """Run a node until SIGINT, SIGTERM or SIGHUP.
 
     Args: make_node: called with an Event that is set when the node shall end; the node has `close()`.
