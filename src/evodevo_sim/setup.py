@@ -9,7 +9,7 @@ setup(
     name=package_name,
     version=ElementTree.parse("package.xml").findtext("version"),
     packages=find_packages(exclude=["test"]),
-    package_data={package_name: ["ros/discovery.xml", "py.typed", "champions/*.yaml"]},
+    package_data={package_name: ["ros/discovery.xml", "py.typed", "recording/before/*.msg", "champions/*.yaml"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
         (f"share/{package_name}", ["package.xml"]),

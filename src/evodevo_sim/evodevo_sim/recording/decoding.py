@@ -13,7 +13,7 @@ from rclpy.serialization import deserialize_message
 
 from .compression import compression_of
 from .definitions import definition, type_hash, type_name
-from .older import BEFORE, lacking, message_of, words_of
+from .older import definition_before, lacking, message_of, words_of
 from .schema import compare, short, types_of
 from .stored import Channel
 
@@ -42,7 +42,7 @@ def reading_of(channel: Channel, message_type: type) -> Reading | None:
     name = type_name(message_type)
     if channel.type and short(channel.type) != short(name):
         return None
-    known, before = channel.type_hash == type_hash(name), BEFORE.get((name, channel.type_hash))
+    known, before = channel.type_hash == type_hash(name), definition_before(name, channel.type_hash)
     if channel.type_hash and not channel.type and not (known or before):
         return None
     if channel.encoding != "cdr":

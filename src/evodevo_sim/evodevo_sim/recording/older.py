@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from array import array
+from pathlib import Path
 from typing import Any
 
 from evodevo_msgs import msg
@@ -30,19 +32,7 @@ _NEEDED = {
     "Task": {"name"},
     "Vertex": {"x", "y"},
 }
-# Definitions that types of ours have had, by their name and hash: a channel with this hash holds such messages, whatever its schema says.
-BEFORE = {
-    ("evodevo_msgs/msg/Audit", "RIHS01_9e7b6b32347ae097e064a7ff9fc4ca1d6d7e80623a6408a350a0e449b53c490b"): """\
-builtin_interfaces/Time stamp
-uint32 generation
-bool stands
-string[] faults
-float64 fitness
-float64 fitness_finer
-float64 fitness_higher_order
-float64 unexplained
-""",
-}
+_HASH = re.compile(r"RIHS01_[0-9a-f]{64}")
 _SETTINGS = {"Task", "Development", "Material", "Scene", "Noise", "Chemotaxis"}  # what is missing there has its default
 _ABSENT = {"Steering"}  # all 0 where there was none
 # What is not there holds none the less: all were so before the field came, or its empty value says that nobody knows.
@@ -50,6 +40,18 @@ _TRUE = {("Task", "fitness"), ("Material", "muscle_range"), ("Evolution", "schem
 # Fields that other versions have, and `_upgraded` makes use of; and those that it fills by them.
 _USED = {("Audit", "fitness_finer"), ("Audit", "fitness_higher_order"), ("Audit", "unexplained")}
 _FILLED = {("Audit", "runs")}
+
+
+def definition_before(name: str, type_hash: str) -> str | None:
+    """The definition that a type of ours had under an older hash: a channel with it holds such messages, whatever its schema says.
+
+    They stand in files of `before/`, named by the type and the hash, without comments.
+    """
+    package, _, stem = name.partition("/msg/")
+    if package != "evodevo_msgs" or not stem.isidentifier() or not _HASH.fullmatch(type_hash or ""):
+        return None
+    file = Path(__file__).with_name("before") / f"{stem}.{type_hash}.msg"
+    return file.read_text(encoding="utf-8") if file.is_file() else None
 
 
 def lacking(difference: Difference) -> str:
