@@ -180,6 +180,8 @@ def fuzz(name: str, files: int, seed: int, directory: Path, keep: Path | None = 
     """Give damaged files to a reader.  Args: directory: for the file; keep: where those with faults are kept, if anywhere."""
     reader, found = readers()[name], Found()
     path = directory / f"{name}{reader.ending}"
+    path.write_bytes(reader.good[0].encode())
+    _look(reader, path, Found())  # what a first file compiles or imports is no time of the others
     for number in tqdm(range(files), desc=name, unit="file", leave=False, disable=files < 1000):
         draw = random.Random(f"{seed} {name} {number}")
         data = damaged(draw.choice(reader.good).encode(), draw)

@@ -14,7 +14,7 @@ from evodevo_sim.physics.integrators import State, carry, carry_adaptively, set_
 from evodevo_sim.physics.soundness import judge
 from evodevo_sim.physics.step_size import ADAPTIVE, substeps_at_rate
 from evodevo_sim.tasks.life import Kept
-from evodevo_sim.tasks.swim.kernel import live
+from evodevo_sim.tasks.swim.kernel import locomote
 
 
 @lean
@@ -102,7 +102,7 @@ def live_on(life, steps, seconds, development, continual):
     step, status, rested = 0, 0, -1
     while step < steps:
         before = step
-        status, step = live(life, step, steps, rules, kept)
+        status, step = locomote(life, step, steps, rules, kept)
         if step == before:  # failed
             break
         if step < steps and rested < 0:

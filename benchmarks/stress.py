@@ -28,7 +28,7 @@ import numba
 import numpy as np
 from evodevo_sim.own_body.motion import _FINER
 from evodevo_sim.physics.bounds import bounds
-from evodevo_sim.physics.control_step import advance, settle
+from evodevo_sim.physics.control_step import advance, relax
 from evodevo_sim.physics.energy import stored_energy
 from evodevo_sim.physics.forces import Law, make_scratch, set_rest_lengths
 from evodevo_sim.physics.integrators import State, carry_adaptively, make_system, make_work
@@ -111,7 +111,7 @@ def _rounding(body, law) -> float:
 def _swim(body, law, step, substeps, muscle, position, velocity, rest, scratch):
     """(outcome; energy that was there or that muscles put in and out; energy that came from nowhere), J."""
     set_rest_lengths(body, law, muscle[0], rest)
-    settle(body, law, rest, position, velocity, 1e-3, SETTLE, scratch)
+    relax(body, law, rest, position, velocity, 1e-3, SETTLE, scratch)
     now = sum(stored_energy(body, law, rest, 0.0, position, velocity))
     through, created = now, 0.0
     for k in range(muscle.shape[0] - 1):

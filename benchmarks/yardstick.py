@@ -21,12 +21,12 @@ import numpy as np
 from evodevo_sim.development.body import build_body
 from evodevo_sim.development.gabriel import adjacency, gabriel_graph
 from evodevo_sim.parameters import with_settings
-from evodevo_sim.physics.control_step import advance, settle
+from evodevo_sim.physics.control_step import advance, relax
 from evodevo_sim.physics.forces import make_law, make_scratch, set_rest_lengths
 from evodevo_sim.physics.mass import centre_of_mass
 from evodevo_sim.physics.soundness import SOUND
 from evodevo_sim.physics.step_size import choose_substeps, substeps_in_drag
-from evodevo_sim.plant.simulated import SETTLE_LIMIT, SETTLE_TOLERANCE
+from evodevo_sim.plant.simulated import RELAX_LIMIT, RELAX_TOLERANCE
 from evodevo_sim.ros.command_line import pairs
 from tqdm import tqdm
 
@@ -55,7 +55,7 @@ def ride(body, material, scene, steps, control_step, gain, phase, period):
     position, velocity, scratch = body.position.T.copy(), np.zeros((2, cells)), make_scratch(body)
     muscle, rest = gain * np.cos(phase), np.empty(body.rest_length.size)
     set_rest_lengths(body, law, muscle, rest)
-    settle(body, law, rest, position, velocity, SETTLE_TOLERANCE, SETTLE_LIMIT, scratch)
+    relax(body, law, rest, position, velocity, RELAX_TOLERANCE, RELAX_LIMIT, scratch)
     substeps = choose_substeps(body, law, control_step)
     x0, y0 = centre_of_mass(position, body.inverse_mass)
     xh, yh = x0, y0

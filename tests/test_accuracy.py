@@ -7,7 +7,7 @@ import pytest
 from bodies import STEP, body_of, go, rotation
 from evodevo_sim.live.animat import Animat
 from evodevo_sim.parameters import with_settings
-from evodevo_sim.physics.control_step import settle
+from evodevo_sim.physics.control_step import relax
 from evodevo_sim.physics.forces import Law, make_scratch
 from evodevo_sim.physics.integrators import make_system
 from evodevo_sim.physics.step_size import RK4
@@ -59,7 +59,7 @@ RINGS = pytest.mark.parametrize("cells, share, pressure", [(3, 0.6, 400.0), (5, 
 def test_a_ring_under_pressure_rests_where_pressure_and_tension_balance(cells, share, pressure):
     ring = Ring(cells, share, pressure)
     position, velocity = ring.body.position.T.copy(), np.zeros((2, cells))
-    settle(ring.body, ring.law, share * ring.body.rest_length, position, velocity, 1e-10, 200_000, make_scratch(ring.body))
+    relax(ring.body, ring.law, share * ring.body.rest_length, position, velocity, 1e-10, 200_000, make_scratch(ring.body))
     assert share < ring.stretch < 1
     assert position == pytest.approx(ring.stretch * ring.radius * ring.circle, abs=1e-8)
 

@@ -7,7 +7,7 @@ import gaits
 import numpy as np
 import pytest
 from bodies import body_of, rotation
-from evodevo_sim.analysis.gait import GaitError, Ground, Rules, Track, World, analyse, track_of_motion, track_of_performance
+from evodevo_sim.analysis.gait import GaitError, Ground, Rules, Surroundings, Track, analyse, track_of_motion, track_of_performance
 from evodevo_sim.analysis.gait.form import limbs
 from evodevo_sim.analysis.gait.rhythm import common_rhythm
 from evodevo_sim.analysis.gait.sources import parts_of_body
@@ -209,7 +209,7 @@ def test_drag_of_a_bar_that_is_drawn_across():
     time = np.linspace(0, 2, 100)
     position = np.array([(0.0, 0.0), (1.5, 0.0)]) + np.stack((0 * time, 0.7 * time), axis=-1)[:, None]
     body = body_of([(0, 0), (1.5, 0)])
-    world = World(1.0, 400.0, 10.0, 400.0, 40.0, 0.2, muscle_range=0.2)
+    world = Surroundings(1.0, 400.0, 10.0, 400.0, 40.0, 0.2, muscle_range=0.2)
     track = Track(time, position, np.zeros((100, 2)), world=world, **parts_of_body(body))
     work = work_of(track)
     assert work.drag == pytest.approx(-40.0 * 1.5 * 0.7**3 * 2, rel=1e-6)

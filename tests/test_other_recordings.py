@@ -238,7 +238,7 @@ def test_a_field_that_a_later_version_adds_is_ignored_and_said(small, tmp_path, 
 
 @pytest.mark.parametrize("field, says", [
     ("settled_speed", "Task.settled_speed is missing (its default is taken)"),  # the last field of all of the message's part
-    ("muscle_range", "Material.muscle_range is missing (its default is taken)"),  # the last one of a part within
+    ("actuation", "Noise.actuation is missing (its default is taken)"),  # the last one of a part within
 ])
 def test_a_field_that_an_older_version_lacks_has_its_default_where_that_is_true(tmp_path, field, says):
     from evodevo_ga.messages import evolution_message

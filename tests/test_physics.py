@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from bodies import LAW, POLYGON_EDGES, POLYGONS, SQUARE, accelerations_of, body_of, random_body, state_of
 from evodevo_sim.physics.bounds import frequency_bound
-from evodevo_sim.physics.control_step import advance, settle
+from evodevo_sim.physics.control_step import advance, relax
 from evodevo_sim.physics.forces import Law, accelerations, make_scratch
 from evodevo_sim.physics.ladder import MOST_DOUBLINGS
 from evodevo_sim.physics.soundness import INVERTED, SOUND, UNSTABLE
@@ -319,7 +319,7 @@ def test_settling_ends_at_rest_where_the_centre_of_mass_was(seed, cells):
     position, velocity, _ = state_of(body)
     rest = body.rest_length * rng.uniform(0.8, 1.2, body.rest_length.size)
     before = position.mean(axis=1)
-    steps = settle(body, LAW, rest, position, velocity, 1e-3, 2000, make_scratch(body))
+    steps = relax(body, LAW, rest, position, velocity, 1e-3, 2000, make_scratch(body))
     assert position.mean(axis=1) == pytest.approx(before, abs=1e-10)
     assert not velocity.any()
     left = np.abs(accelerations_of(body, LAW, position, velocity, rest)).max()

@@ -285,7 +285,7 @@ def test_help_teaches(capsys):
     code, out, _ = run(capsys, "--help")
     assert code == 0
     for word in (
-        "--save", "--picture FILE, --png FILE", "--palette {paper,safe}", "--no-viewer", "ros2 run evodevo_sim replay bags/long",
+        "--save", "--picture", "--png", "--palette {paper,safe}", "--no-viewer", "ros2 run evodevo_sim replay bags/long",
         "without a display", "replaced",
     ):
         assert word in out

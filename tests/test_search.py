@@ -78,7 +78,7 @@ class Climb(Search):
     def breed(self, population, generation, rng):
         return [child_of(Parents(population[:1]), self.settings, rng) for _ in range(2 + self.gains % self.most)]
 
-    def settle(self, population, children, generation):
+    def survive(self, population, children, generation):
         best = max(population + children, key=lambda one: one.evaluation.fitness)
         self.gains += best not in population
         return [*children[:2], best]
@@ -223,7 +223,7 @@ def test_schemes_that_cannot_work_are_refused_in_one_line(registry, capsys):
         assert left.value.code == 2 and says in said and said.count("\n") == 1
 
 
-@pytest.mark.parametrize("method, done", [("breed", "bred"), ("settle", "settled")])
+@pytest.mark.parametrize("method, done", [("breed", "bred"), ("survive", "settled")])
 def test_a_search_that_gives_nobody_is_named(registry, method, done):
     register(Scheme("empty", "gives nobody", {}, type("Empty", (Climb,), {method: lambda self, *_: []})))
     with pytest.raises(ValueError, match=f"the search of scheme 'empty' has {done} nobody"):

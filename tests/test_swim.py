@@ -10,7 +10,7 @@ import pytest
 from bodies import LAW, accelerations_of, body_of
 from evodevo_sim.physics.forces import make_scratch, set_rest_lengths
 from evodevo_sim.physics.step_size import substeps_in_drag
-from evodevo_sim.plant.simulated import SETTLE_TOLERANCE
+from evodevo_sim.plant.simulated import RELAX_TOLERANCE
 from evodevo_sim.tasks.life import develop
 from evodevo_sim.tasks.outcome import Status
 from evodevo_sim.tasks.swim.fitness import kernel_arguments
@@ -53,7 +53,7 @@ def test_a_swimmer_beats_from_rest_and_goes_somewhere(swimmer):
     body, rest = performance.body, np.empty_like(performance.body.rest_length)
     set_rest_lengths(body, LAW, performance.activation[0], rest)
     start = performance.position[0].T.copy(), np.zeros((2, 16))
-    assert np.abs(accelerations_of(body, LAW, *start, rest)).max() <= SETTLE_TOLERANCE
+    assert np.abs(accelerations_of(body, LAW, *start, rest)).max() <= RELAX_TOLERANCE
     assert np.abs(accelerations_of(body, LAW, *start, body.rest_length)).max() > 1.0
 
 

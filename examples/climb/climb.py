@@ -19,13 +19,13 @@ from evodevo_sim import Evaluation, Genome, Task
 RISE, RUN, LEVEL, STEPS = 0.4, 3.0, 4.0, 12  # m of each step; m of level ground to either side of the start; steps to either side
 
 
-def run(genome: Genome, task: Task, seed: int, finer: float, track: np.ndarray, traces: np.ndarray) -> Evaluation:
-    """Evaluate a climber.  Args: as for every task; track and traces are filled where they are given, and may be empty."""
+def run(genome: Genome, task: Task, seed: int, finer: float, track: np.ndarray, activations: np.ndarray) -> Evaluation:
+    """Evaluate a climber.  Args: as for every task; track and activations are filled where they are given, and may be empty."""
     cells = task.development.max_cells
     if not track.size:  # the walking kernel keeps only x of the centre: the height comes from the cells
-        track, traces = np.empty((task.control_steps + 1, cells, 4)), np.empty((task.control_steps + 1, cells))
+        track, activations = np.empty((task.control_steps + 1, cells, 4)), np.empty((task.control_steps + 1, cells))
     unkept = np.zeros((task.starts, 0))
-    result = walk(*kernel_arguments(genome, task), headings(seed, task.starts), finer, noise(task, seed), (track, traces), unkept)
+    result = walk(*kernel_arguments(genome, task), headings(seed, task.starts), finer, noise(task, seed), (track, activations), unkept)
     evaluation = score(result, task)
     if evaluation.cause:
         return evaluation

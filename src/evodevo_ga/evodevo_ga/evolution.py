@@ -111,7 +111,7 @@ class Evolution:
             Individual(one.genome, known[one.genome.key()], one.born, one.layer, self.bred + k, one.parents, one.operators)
             for k, one in enumerate(self._children)
         ]
-        settled = _some(self.search.settle(self.population, children, self.generation + 1), "settled", self.scheme)
+        settled = _some(self.search.survive(self.population, children, self.generation + 1), "settled", self.scheme)
         self.population = sorted(settled, key=lambda one: -one.evaluation.fitness)
         self.children = children
         self.generation += 1

@@ -42,7 +42,7 @@ class Layers(Panmictic):
             children += [child_of(parents, s, rng, layer) for _ in range(s.size - s.elite)]
         return children
 
-    def settle(self, population: list[Individual], children: list[Individual], generation: int) -> list[Individual]:
+    def survive(self, population: list[Individual], children: list[Individual], generation: int) -> list[Individual]:
         everyone = children + self._best(population, self.settings.elite)
         moved = [replace(one, layer=max(one.layer, self.layer_of(generation - one.born))) for one in everyone]
         return self._best(sorted(moved, key=lambda one: -one.evaluation.fitness), self.settings.size)

@@ -22,7 +22,7 @@ class Panmictic(Search):
         parents = Parents(population)
         return [child_of(parents, self.settings, rng) for _ in range(self.settings.population - self.settings.elite)]
 
-    def settle(self, population: list[Individual], children: list[Individual], generation: int) -> list[Individual]:
+    def survive(self, population: list[Individual], children: list[Individual], generation: int) -> list[Individual]:
         # The sort is stable and children come first, so of equals the younger lives on: neutral drift.
         everyone = children + self._best(population, self.settings.elite)
         return self._best(sorted(everyone, key=lambda one: -one.evaluation.fitness), self.settings.size)

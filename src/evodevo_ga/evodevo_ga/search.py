@@ -19,7 +19,7 @@ class Search(ABC):
     """A way to search, with the numbers of `settings`.
 
     All randomness comes from the `rng` given, which is new in each generation.  `first` and `breed` change nothing: what a search
-    learns, it learns in `settle` and gives away in `state`.  So a run that goes on from its state has the same bits.
+    learns, it learns in `survive` and gives away in `state`.  So a run that goes on from its state has the same bits.
     """
 
     def __init__(self, settings: Settings):
@@ -37,7 +37,7 @@ class Search(ABC):
         """
 
     @abstractmethod
-    def settle(self, population: list[Individual], children: list[Individual], generation: int) -> list[Individual]:
+    def survive(self, population: list[Individual], children: list[Individual], generation: int) -> list[Individual]:
         """Who stays, one at the least, in any order; of equals, the first one counts as better.
 
         Args: population: who had stayed, best first; children: in the order in which they were bred; generation: theirs.

@@ -26,7 +26,7 @@ class TaskKind:
 
     Attributes:
         name: as `--task` takes it; what: it asks for, in a few words.
-        run(genome, task, seed, finer, track, traces) -> Evaluation: see `tasks.swim.fitness.run`; finer: a float.
+        run(genome, task, seed, finer, track, activations) -> Evaluation: see `tasks.swim.fitness.run`; finer: a float.
         begin(genome, task, seed) -> (status, brain.controller.Controller, plant.Plant): an animat at its birth, for a life step by step.
         audit(genome, task, seed, first, most_change, quick) -> Audit: whether a fitness stands, see `tasks.audit`; None: it has none yet.
         kernel: module.function of the kernel that takes longest to compile; audit_kernel: the same of what audits need beyond it.

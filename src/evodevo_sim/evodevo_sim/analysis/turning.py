@@ -119,9 +119,9 @@ def _tested(task: Task) -> Task:
 
 def _kept(genome, task, seed, shown):
     shape = (task.control_steps + 1, task.development.max_cells)
-    track, traces = np.full((*shape, 4), np.nan), np.full(shape, np.nan)
-    result = attempt(genome, task, seed, placements(task), shown, 1.0, (track, traces))
-    return result, track[:, : result.cells], traces[:, : result.cells]
+    track, activations = np.full((*shape, 4), np.nan), np.full(shape, np.nan)
+    result = attempt(genome, task, seed, placements(task), shown, 1.0, (track, activations))
+    return result, track[:, : result.cells], activations[:, : result.cells]
 
 
 def memory_of(genome: Genome, task: Task, track: Any, target: Any) -> float:

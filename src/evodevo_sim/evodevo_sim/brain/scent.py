@@ -53,7 +53,7 @@ def sense(brain, position, signals, step):
     for i in range(x.size):
         row[i] = scent(x[i] - target[0], y[i] - target[1], target[2], target[3])
     if signals.noise.size and signals.noise[0] > 0.0:
-        begin(signals.random, 2 * step)
+        seeded(signals.random, 2 * step)
         for i in range(x.size):
             row[i] = min(max(row[i] + signals.noise[0] * normal(signals.random), 0.0), target[2])
 
@@ -62,7 +62,7 @@ def sense(brain, position, signals, step):
 def disturb(brain, signals, step):
     """After a regulation step: noise on concentrations, which stay in [0, 1]; noise of actuation goes on with the same random numbers."""
     random = signals.random
-    begin(random, 2 * step + 1)
+    seeded(random, 2 * step + 1)
     if signals.noise[1] > 0.0:
         table, nodes, cells = brain.table, brain.network.nodes, brain.activation.size
         for row in range(nodes.size):
@@ -73,7 +73,7 @@ def disturb(brain, signals, step):
 
 
 @lean
-def begin(random, count):
+def seeded(random, count):
     """Start the numbers of a step over: they depend on the seed and the step alone."""
     random[1] = random[0] + np.uint64(count) * _A
     random[1] = _next(random)

@@ -70,7 +70,7 @@ def advance(body, law, rest, position, velocity, control_step, substeps, scratch
 
 
 @kernel
-def settle(body, law, rest, position, velocity, tolerance, limit, scratch):
+def relax(body, law, rest, position, velocity, tolerance, limit, scratch):
     """Bring a body to rest under its own springs and chambers with rest lengths held, in place, without a world around it.
 
     Kinetic damping: all speeds are set to 0 whenever the kinetic energy has passed a peak.  Only internal forces act, so the

@@ -10,13 +10,13 @@ from ..brain.scent import Signals, normal
 from ..development.body import Body
 from ..kernels.jit import kernel, lean
 from ..physics.bounds import find_drag_rate
-from ..physics.control_step import advance, settle
+from ..physics.control_step import advance, relax
 from ..physics.forces import Law, Scratch, accelerations, make_law, make_scratch, set_rest_lengths
 from ..physics.step_size import MOST_SUBSTEPS, choose_substeps, substeps_at_rate
 from .contract import Outcome
 
-SETTLE_TOLERANCE = 1e-3  # m/s^2
-SETTLE_LIMIT = 2000
+RELAX_TOLERANCE = 1e-3  # m/s^2
+RELAX_LIMIT = 2000
 _STILL = 1e-7  # m/s and m/s^2 below which a body rests
 
 
@@ -48,7 +48,7 @@ def make_body_state(body, material, scene, control_step, finer, moves):
 def come_to_shape(state, activation):
     """Let a newborn body come to rest in the shape that its muscles hold."""
     set_rest_lengths(state.body, state.law, activation, state.rest)
-    settle(state.body, state.law, state.rest, state.position, state.velocity, SETTLE_TOLERANCE, SETTLE_LIMIT, state.scratch)
+    relax(state.body, state.law, state.rest, state.position, state.velocity, RELAX_TOLERANCE, RELAX_LIMIT, state.scratch)
 
 
 @lean
@@ -57,12 +57,12 @@ def actuate(state, activation, signals):
     if not signals.noise.size:
         set_rest_lengths(state.body, state.law, activation, state.rest)
         return
-    pull = state.scratch.k1[0]
+    disturbed = state.scratch.k1[0]
     for i in range(activation.size):
-        pull[i] = activation[i]
+        disturbed[i] = activation[i]
         if signals.noise[2] > 0.0:
-            pull[i] = min(max(pull[i] + signals.noise[2] * normal(signals.random), -1.0), 1.0)
-    set_rest_lengths(state.body, state.law, pull, state.rest)
+            disturbed[i] = min(max(disturbed[i] + signals.noise[2] * normal(signals.random), -1.0), 1.0)
+    set_rest_lengths(state.body, state.law, disturbed, state.rest)
 
 
 @lean

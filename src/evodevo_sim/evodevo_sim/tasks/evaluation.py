@@ -83,8 +83,8 @@ def perform(genome: Genome, task: Task = Task(), seed: int = 0, finer: float = 1
     if cells > 1:
         body = build_body(embryo.position, embryo.edges, embryo.start, embryo.neighbour, task.material.mass)
     track = np.full((task.control_steps + 1, cells, 4), np.nan)
-    traces = np.full((task.control_steps + 1, cells), np.nan)
-    evaluation = task.kind.function("run")(genome, task, seed, float(finer), track, traces)
+    activations = np.full((task.control_steps + 1, cells), np.nan)
+    evaluation = task.kind.function("run")(genome, task, seed, float(finer), track, activations)
     steering = evaluation.metrics.steering
     return Performance(
         evaluation=evaluation,
@@ -95,6 +95,6 @@ def perform(genome: Genome, task: Task = Task(), seed: int = 0, finer: float = 1
         time=np.arange(task.control_steps + 1) * task.control_step,
         position=track[..., :2].copy(),
         velocity=track[..., 2:].copy(),
-        activation=traces,
+        activation=activations,
         target=(steering.left_x, steering.left_y) if steering.distance else None,
     )

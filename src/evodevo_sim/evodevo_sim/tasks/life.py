@@ -43,9 +43,9 @@ class Life(NamedTuple):
 class Kept(NamedTuple):
     """What is kept of a life, each empty where nobody looks."""
 
-    muscles: np.ndarray  # (2, N): least and most activation so far
+    activation_range: np.ndarray  # (2, N): least and most activation so far
     track: np.ndarray  # (control_steps + 1, most cells, 4): x, y, vx, vy of every cell
-    traces: np.ndarray  # (control_steps + 1, most cells): activation
+    activations: np.ndarray  # (control_steps + 1, most cells): activation
 
 
 @kernel
@@ -82,13 +82,13 @@ def birth(genome, model, finer):
 
 
 @lean
-def keep(life, track, traces):
-    """Keep a moment of a life.  Args: track (most cells, 4), traces (most cells,)."""
+def keep(life, track, activations):
+    """Keep a moment of a life.  Args: track (most cells, 4), activations (most cells,)."""
     position, velocity, activation = life.state.position, life.state.velocity, life.brain.activation
     for i in range(activation.size):
         track[i, 0], track[i, 1] = position[0, i], position[1, i]
         track[i, 2], track[i, 3] = velocity[0, i], velocity[1, i]
-        traces[i] = activation[i]
+        activations[i] = activation[i]
 
 
 @lean

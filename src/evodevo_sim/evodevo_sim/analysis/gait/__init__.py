@@ -18,7 +18,17 @@ if TYPE_CHECKING:
     from .library import *
 
 __all__ = [
-    "SWIMMING", "WALKING", "Analysis", "Gait", "GaitError", "Ground", "Rules", "Track", "World", "analyse", "track_of_motion",
+    "SWIMMING",
+    "WALKING",
+    "Analysis",
+    "Gait",
+    "GaitError",
+    "Ground",
+    "Rules",
+    "Surroundings",
+    "Track",
+    "analyse",
+    "track_of_motion",
     "track_of_performance",
 ]
 

@@ -6,9 +6,19 @@ from ...physics.terrain import Ground
 from .analysis import Analysis, Gait, analyse
 from .rules import SWIMMING, WALKING, Rules
 from .sources import track_of_motion, track_of_performance
-from .track import GaitError, Track, World
+from .track import GaitError, Surroundings, Track
 
 __all__ = [
-    "SWIMMING", "WALKING", "Analysis", "Gait", "GaitError", "Ground", "Rules", "Track", "World", "analyse", "track_of_motion",
+    "SWIMMING",
+    "WALKING",
+    "Analysis",
+    "Gait",
+    "GaitError",
+    "Ground",
+    "Rules",
+    "Surroundings",
+    "Track",
+    "analyse",
+    "track_of_motion",
     "track_of_performance",
 ]

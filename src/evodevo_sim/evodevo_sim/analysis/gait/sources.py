@@ -9,18 +9,18 @@ import numpy as np
 from ...parameters import Scene, Task
 from ...physics.terrain import Ground
 from ...tasks.evaluation import Performance
-from .track import GaitError, Track, World
+from .track import GaitError, Surroundings, Track
 
 
-def world_of_task(task: Task) -> World:
+def world_of_task(task: Task) -> Surroundings:
     """The constants of a task's material and scene."""
     known = {**vars(task.material), **vars(task.scene)}
-    return World(**{name: known[name] for name in World.__dataclass_fields__ if name in known})
+    return Surroundings(**{name: known[name] for name in Surroundings.__dataclass_fields__ if name in known})
 
 
-def world_of_scene(scene: Scene | None) -> World:
+def world_of_scene(scene: Scene | None) -> Surroundings:
     """What a recorded scene says of the world; of the body's material nothing is known."""
-    return World() if scene is None else World(
+    return Surroundings() if scene is None else Surroundings(
         drag_normal=scene.drag_normal, drag_tangential=scene.drag_tangential, gravity=scene.gravity
     )
 
@@ -59,7 +59,7 @@ def track_of_motion(own: Any, motion: Any, ground: Ground | None = None) -> Trac
     """The track of `simulate_body`'s motion of an `OwnBody`.  Args: ground: as in `Track`; by default flat where the motion has
     ground at all."""
     system = motion.system
-    world = World(
+    world = Surroundings(
         float(1.0 / own.body.inverse_mass.mean()), **own.stuff._asdict(), drag_normal=system.law.drag_normal,
         drag_tangential=system.law.drag_tangential, gravity=system.gravity,
         muscle_range=system.law.muscle_range,

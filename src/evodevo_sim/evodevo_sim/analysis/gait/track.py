@@ -17,7 +17,7 @@ class GaitError(ValueError):
 
 
 @dataclass(frozen=True, eq=False)
-class World:
+class Surroundings:
     """Constants that forces and work follow from; NaN: unknown.  mass: kg of a cell; the others as in `parameters`."""
 
     mass: float = 1.0
@@ -40,7 +40,7 @@ class Track:
             cells, counter-clockwise; chamber_area: m^2 at rest, of each, or empty.
         velocity (T, N, 2) m/s, or None: then it follows from positions.
         held: whether muscles hold over a frame and change at its end, as those that a network drives do, or go on smoothly.
-        world: see `World`; ground: of a walker, or None: a swimmer.
+        world: see `Surroundings`; ground: of a walker, or None: a swimmer.
     """
 
     time: np.ndarray
@@ -52,7 +52,7 @@ class Track:
     chambers: tuple = ()
     chamber_area: np.ndarray = field(default_factory=lambda: np.empty(0))
     velocity: np.ndarray | None = None
-    world: World = World()
+    world: Surroundings = Surroundings()
     ground: Ground | None = None
     held: bool = True
 

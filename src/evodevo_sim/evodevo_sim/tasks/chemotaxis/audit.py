@@ -28,9 +28,9 @@ def audit(genome: Genome, task: Task, seed: int, first: Performance, most_change
 def _kept(genome, task, seed, shown):
     """Track (T + 1, N, 4) and activation (T + 1, N) of one swim."""
     shape = (task.control_steps + 1, task.development.max_cells)
-    track, traces = np.full((*shape, 4), np.nan), np.full(shape, np.nan)
-    result = attempt(genome, task, seed, placements(task)[: shown + 1], shown, 1.0, (track, traces))
-    return track[:, : result.cells], traces[:, : result.cells].copy()
+    track, activations = np.full((*shape, 4), np.nan), np.full(shape, np.nan)
+    result = attempt(genome, task, seed, placements(task)[: shown + 1], shown, 1.0, (track, activations))
+    return track[:, : result.cells], activations[:, : result.cells].copy()
 
 
 def _run(genome, task, seed, first, result, kept, way):

@@ -17,9 +17,9 @@ LEFT, RIGHT = range(2)
 _NOT_KEPT = np.empty((0, 0, 0)), np.empty((0, 0))
 
 
-def run(genome: Genome, task: Task, seed: int, finer: float, track: np.ndarray, traces: np.ndarray) -> Evaluation:
+def run(genome: Genome, task: Task, seed: int, finer: float, track: np.ndarray, activations: np.ndarray) -> Evaluation:
     """Evaluate a seeker.  Args: see `swim.swim`; the swim that is kept is the one with the target on the left, if there is one."""
-    return score(attempt(genome, task, seed, placements(task), LEFT, finer, (track, traces), every=False), task)
+    return score(attempt(genome, task, seed, placements(task), LEFT, finer, (track, activations), every=False), task)
 
 
 def placements(task: Task) -> np.ndarray:
@@ -34,7 +34,7 @@ def attempt(
     genome: Genome, task: Task, seed: int, placed: np.ndarray, shown: int = LEFT, finer: float = 1.0,
     kept: tuple[np.ndarray, np.ndarray] = _NOT_KEPT, every: bool = True,
 ) -> Trials:
-    """All swims of a genome.  Args: placed (K, 2), every, shown: see `Tests`; kept: (track, traces), see `life.Kept`."""
+    """All swims of a genome.  Args: placed (K, 2), every, shown: see `Tests`; kept: (track, activations), see `life.Kept`."""
     signals = make_signals(noise=task.noise.arguments(), seed=seed)
     placed = np.ascontiguousarray(placed, float).reshape(-1, 2)
     tests = Tests(task.chemotaxis.arguments(), placed, every, shown)

@@ -29,7 +29,7 @@ class Tests(NamedTuple):
     chemotaxis: ChemotaxisArguments
     placements: np.ndarray  # (K, 2) of targets: rad to the left of the heading, m from the centre of mass at birth
     every: bool  # whether to swim towards all targets, or no further than to the first one that earns nothing: the worst one is paid
-    shown: int  # which swim is kept in track and traces, STRAIGHT or a row of placements; where there are no targets, STRAIGHT
+    shown: int  # which swim is kept in track and activations, STRAIGHT or a row of placements; where there are no targets, STRAIGHT
 
 
 class Trials(NamedTuple):
@@ -72,7 +72,7 @@ def earns(path, target, angle, active):
 
 
 @kernel
-def trials(genome, model, finer, tests, signals, track, traces):
+def trials(genome, model, finer, tests, signals, track, activations):
     """Evaluate a genome: growth and all swims in one call.
 
     Args: signals: noise and seed of all swims, they have no target yet; the others: see `swim.swim`.  Returns: Trials.
@@ -90,9 +90,9 @@ def trials(genome, model, finer, tests, signals, track, traces):
             status, -1, path, 0.0, 0.0, 0, cells, springs, chambers, False, (1.0, 0.0), targets, paths, actives, 0
         )
     position, velocity, table, past = state.position.copy(), state.velocity.copy(), brain.table.copy(), brain.past.copy()
-    activation, muscles = brain.activation.copy(), np.empty((2, cells))
+    activation, activation_range = brain.activation.copy(), np.empty((2, cells))
     rules = Rules(model.task.control_step, model.development, model.continual, signals)
-    status, step, amplitude, active = course(life, model, rules, path, Kept(muscles, track, traces))
+    status, step, amplitude, active = course(life, model, rules, path, Kept(activation_range, track, activations))
     dx, dy = path[-1, 0] - path[0, 0], path[-1, 1] - path[0, 1]
     distance = np.sqrt(dx * dx + dy * dy)
     heading = (dx / distance, dy / distance) if distance > 0.0 else (1.0, 0.0)
@@ -112,7 +112,7 @@ def trials(genome, model, finer, tests, signals, track, traces):
             random = np.array([signals.random[0] + np.uint64(k + 1), np.uint64(0)])
             aimed = Rules(model.task.control_step, model.development, model.continual, Signals(target, signals.noise, random))
             ended, failed_step, _, actives[k] = course(
-                life, model, aimed, paths[k], Kept(muscles, track if shown else track[:0], traces if shown else traces[:0])
+                life, model, aimed, paths[k], Kept(activation_range, track if shown else track[:0], activations if shown else activations[:0])
             )
             swims += 1
             if (ended != OK and ended != RESTING) or not (tests.every or earns(paths[k], target, placements[k, 0], actives[k])):

@@ -38,10 +38,10 @@ def begin(genome: Genome, task: Task, seed: int) -> tuple[int, Controller, Swimm
     return status, controller, SwimmingBody(life.state, controller.signals)
 
 
-def run(genome: Genome, task: Task, seed: int, finer: float, track: np.ndarray, traces: np.ndarray) -> Evaluation:
-    """Evaluate a swimmer.  Args: finer, track, traces: see `swim.swim`; seed: of the noise, if there is any."""
+def run(genome: Genome, task: Task, seed: int, finer: float, track: np.ndarray, activations: np.ndarray) -> Evaluation:
+    """Evaluate a swimmer.  Args: finer, track, activations: see `swim.swim`; seed: of the noise, if there is any."""
     signals = make_signals(noise=task.noise.arguments(), seed=seed)
-    return score(swim(*kernel_arguments(genome, task), finer, signals, track, traces), task)
+    return score(swim(*kernel_arguments(genome, task), finer, signals, track, activations), task)
 
 
 def motion_of(metrics: Metrics, task: Task) -> float:

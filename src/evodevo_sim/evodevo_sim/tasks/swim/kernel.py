@@ -37,10 +37,10 @@ class Swim(NamedTuple):
 
 
 @lean
-def live(life, step, until, rules, kept):
+def locomote(life, step, until, rules, kept):
     """Live from one control step to another, in place: each is one regulation step, then the body for as many seconds.
 
-    Args: kept: see `life.Kept`; its muscles are widened.
+    Args: kept: see `life.Kept`; its activation_range is widened.
 
     Returns: (status, step reached): OK; RESTING, seen now and then: nothing will ever change again; or UNSTABLE or INVERTED in
     that step.
@@ -49,15 +49,15 @@ def live(life, step, until, rules, kept):
     find_drag_rate(state.body, state.law, state.position, state.velocity, state.scratch)
     while step < until:
         if kept.track.size:
-            keep(life, kept.track[step], kept.traces[step])
+            keep(life, kept.track[step], kept.activations[step])
         brain_step(brain, state.position, rules, step)
         actuate(state, brain.activation, rules.signals)
         outcome = move(state, rules.control_step)
         if outcome != SOUND:
             return end_of(outcome), step
         step += 1
-        if kept.muscles.size:
-            widen(kept.muscles, brain.activation)
+        if kept.activation_range.size:
+            widen(kept.activation_range, brain.activation)
         if step % LOOK == 0 and brain_rests(brain, rules) and rests(state):
             return RESTING, step
     return OK, step
@@ -78,10 +78,10 @@ def course(life, model, rules, path, kept):
     status, step = OK, 0
     path[0, 0], path[0, 1] = centre_of_mass(position, inverse_mass)
     for window in range(task.windows):
-        forget(kept.muscles)
+        forget(kept.activation_range)
         for k in range(samples):
             until = window * length + length * (k + 1) // samples
-            status, step = live(life, step, until, rules, kept)
+            status, step = locomote(life, step, until, rules, kept)
             x, y = centre_of_mass(position, inverse_mass)
             last = window * samples + k + 2 if status == OK else path.shape[0]
             for row in range(window * samples + k + 1, last):
@@ -91,20 +91,20 @@ def course(life, model, rules, path, kept):
         if status != OK:
             amplitude, active = 0.0, 0.0
             break
-        mean, working = activity(kept.muscles, task.full_activity)
+        mean, working = activity(kept.activation_range, task.full_activity)
         amplitude = min(amplitude, mean)
         active = min(active, working / model.development.max_cells)
     if kept.track.size:
         for later in range(step, task.control_steps + 1):
-            keep(life, kept.track[later], kept.traces[later])
+            keep(life, kept.track[later], kept.activations[later])
     return status, step, amplitude, active
 
 
 @kernel
-def swim(genome, model, finer, signals, track, traces):
+def swim(genome, model, finer, signals, track, activations):
     """Evaluate a genome: growth and the whole swim in one call.
 
-    Args: genome: (kind, sign, x, y); model: see `life.Model`; finer: see `birth`; signals: see `scent.Signals`; track and traces: see `life.Kept`.
+    Args: genome: (kind, sign, x, y); model: see `life.Model`; finer: see `birth`; signals: see `scent.Signals`; track and activations: see `life.Kept`.
 
     Returns: Swim.
     """
@@ -117,6 +117,6 @@ def swim(genome, model, finer, signals, track, traces):
         return Swim(status, -1, path, 0.0, 0.0, 0, cells, springs, chambers)
 
     rules = Rules(model.task.control_step, model.development, model.continual, signals)
-    status, step, amplitude, active = course(life, model, rules, path, Kept(np.empty((2, cells)), track, traces))
+    status, step, amplitude, active = course(life, model, rules, path, Kept(np.empty((2, cells)), track, activations))
     failed_step = step if status == UNSTABLE or status == INVERTED else -1
     return Swim(status, failed_step, path, amplitude, active, life.state.substeps, cells, springs, chambers)

@@ -40,9 +40,9 @@ def trial(genome: Genome, task: Task, directions: np.ndarray, finer: float = 1.0
     """
     ledger = np.zeros((len(directions), 4))
     cells = task.development.max_cells
-    track, traces = np.full((task.control_steps + 1, cells, 4), np.nan), np.full((task.control_steps + 1, cells), np.nan)
+    track, activations = np.full((task.control_steps + 1, cells, 4), np.nan), np.full((task.control_steps + 1, cells), np.nan)
     arguments = kernel_arguments(genome, task)
-    result = walk(*arguments, directions, finer, noise(task, seed), (track, traces), ledger)
+    result = walk(*arguments, directions, finer, noise(task, seed), (track, activations), ledger)
     return result, start_fitness(result, task), ledger, track[:, : result.cells, :2]
 
 

@@ -38,10 +38,10 @@ def headings(seed: int | tuple[int, ...], starts: int) -> np.ndarray:
     return np.column_stack((np.cos(angle), np.sin(angle)))
 
 
-def run(genome: Genome, task: Task, seed: int, finer: float, track: np.ndarray, traces: np.ndarray) -> Evaluation:
-    """Evaluate a walker.  Args: seed: of its orientations at birth, and of noise; finer, track, traces: see `walk.walk`."""
+def run(genome: Genome, task: Task, seed: int, finer: float, track: np.ndarray, activations: np.ndarray) -> Evaluation:
+    """Evaluate a walker.  Args: seed: of its orientations at birth, and of noise; finer, track, activations: see `walk.walk`."""
     given, ledger = kernel_arguments(genome, task), np.zeros((task.starts, 0))
-    return score(walk(*given, headings(seed, task.starts), finer, noise(task, seed), (track, traces), ledger), task)
+    return score(walk(*given, headings(seed, task.starts), finer, noise(task, seed), (track, activations), ledger), task)
 
 
 def noise(task: Task, seed: int = 0) -> Any:

@@ -104,15 +104,15 @@ def come_to_rest(grounded, task):
 
 
 @lean
-def live(walker, step, until, rules, kept):
-    """Live from one control step to another, in place.  Args and result: as for `swim.live`; there is no scent."""
+def locomote(walker, step, until, rules, kept):
+    """Live from one control step to another, in place.  Args and result: as for `swim.locomote`; there is no scent."""
     life, grounded = walker.life, walker.grounded
     brain, state, ledger = life.brain, life.state, grounded.ledger
     body, position, velocity = state.body, state.position, state.velocity
     gravity, half = grounded.system.gravity, 0.5 * rules.control_step / grounded.steps
     while step < until:
         if kept.track.size:
-            keep(life, kept.track[step], kept.traces[step])
+            keep(life, kept.track[step], kept.activations[step])
         # Muscles do their work at once, half a step ago: the velocities are those of then.
         if ledger.size:
             then = state.scratch.position
@@ -128,8 +128,8 @@ def live(walker, step, until, rules, kept):
         if outcome != SOUND:
             return end_of(outcome), step
         step += 1
-        if kept.muscles.size:
-            widen(kept.muscles, brain.activation)
+        if kept.activation_range.size:
+            widen(kept.activation_range, brain.activation)
         if step % LOOK == 0 and brain_rests(brain, rules) and lies_still(grounded):
             return RESTING, step
     return OK, step
@@ -150,12 +150,12 @@ def _walk_windows(walker, model, rules, path, kept):
     amplitude, active, status, step = 2.0, 1.0, OK, 0
     path[:] = centre_of_mass(state.position, state.body.inverse_mass)[0]
     for window in range(task.windows):
-        forget(kept.muscles)
-        status, step = live(walker, step, step + length, rules, kept)
+        forget(kept.activation_range)
+        status, step = locomote(walker, step, step + length, rules, kept)
         path[window + 1 :] = centre_of_mass(state.position, state.body.inverse_mass)[0]
         if status != OK:
             return status, step, 0.0, 0.0
-        mean, working = activity(kept.muscles, task.full_activity)
+        mean, working = activity(kept.activation_range, task.full_activity)
         amplitude = min(amplitude, mean)
         active = min(active, working / model.development.max_cells)
     return status, step, amplitude, active
@@ -169,11 +169,11 @@ def walk(genome, model, terrain, headings, finer, signals, shown, ledger):
         genome, model: as for `swim.swim`; terrain: see `terrain.Terrain`.
         headings (S, 2): unit vectors, the orientations at birth; finer: times as many steps of physics; signals: noise, and its
             seed in the first start.
-        shown: (track, traces), see `life.Kept`, of the first start; ledger: (S, 4), added to while it walks, or (S, 0).
+        shown: (track, activations), see `life.Kept`, of the first start; ledger: (S, 4), added to while it walks, or (S, 0).
 
     Returns: Walk.
     """
-    starts, task, track, traces = headings.shape[0], model.task, shown[0], shown[1]
+    starts, task, track, activations = headings.shape[0], model.task, shown[0], shown[1]
     status, failed, settling = np.zeros(starts, np.int64), np.full(starts, -1), np.zeros(starts, np.int64)
     path, amplitude, active, gain = np.zeros((starts, task.windows + 1)), np.zeros(starts), np.zeros(starts), np.zeros(starts)
     grown, first = hatch(genome, model, terrain, finer, ledger[0])
@@ -182,7 +182,7 @@ def walk(genome, model, terrain, headings, finer, signals, shown, ledger):
     cells, springs = brain.activation.size, state.body.rest_length.size
     chambers = state.body.triangle_area.size + state.body.polygon_area.size
     table, past, activation, rest = brain.table.copy(), brain.past.copy(), brain.activation.copy(), state.rest.copy()
-    muscles = np.empty((2, cells))
+    activation_range = np.empty((2, cells))
     for k in range(starts):
         grounded = GroundedState(state, ground.system, ground.work, ground.steps, ground.born, ledger[k])
         asleep = GroundedState(state, ground.system, ground.work, ground.steps, ground.born, np.empty(0))
@@ -195,14 +195,14 @@ def walk(genome, model, terrain, headings, finer, signals, shown, ledger):
         if status[k] != OK:
             continue
         gain[k] = -_total(grounded) if ledger.size else 0.0
-        kept = Kept(muscles, track if k == 0 else track[:0], traces if k == 0 else traces[:0])
+        kept = Kept(activation_range, track if k == 0 else track[:0], activations if k == 0 else activations[:0])
         noise = Signals(signals.target, signals.noise, np.array([signals.random[0] + np.uint64(k), np.uint64(0)]))
         rules = Rules(task.control_step, model.development, model.continual, noise)
         status[k], step, amplitude[k], active[k] = _walk_windows(Walker(life, grounded), model, rules, path[k], kept)
         gain[k] += _total(grounded) if ledger.size else 0.0
         if kept.track.size:
             for later in range(step, task.control_steps + 1):
-                keep(life, kept.track[later], kept.traces[later])
+                keep(life, kept.track[later], kept.activations[later])
         if status[k] == UNSTABLE or status[k] == INVERTED:
             failed[k] = step
     return Walk(status, failed, path, amplitude, active, settling, gain, ground.steps, cells, springs, chambers)
