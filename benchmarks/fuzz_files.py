@@ -180,8 +180,9 @@ def fuzz(name: str, files: int, seed: int, directory: Path, keep: Path | None = 
     """Give damaged files to a reader.  Args: directory: for the file; keep: where those with faults are kept, if anywhere."""
     reader, found = readers()[name], Found()
     path = directory / f"{name}{reader.ending}"
-    path.write_bytes(reader.good[0].encode())
-    _look(reader, path, Found())  # what a first file compiles or imports is no time of the others
+    for good in reader.good:  # what a first file of a kind compiles or imports is no time of the others
+        path.write_bytes(good.encode())
+        _look(reader, path, Found())
     for number in tqdm(range(files), desc=name, unit="file", leave=False, disable=files < 1000):
         draw = random.Random(f"{seed} {name} {number}")
         data = damaged(draw.choice(reader.good).encode(), draw)

@@ -151,6 +151,17 @@ def test_sigterm_is_heeded_while_kernels_compile(tmp_path):
     assert process.returncode == 143 and err == "" and time.monotonic() - began < 3.0
 
 
+def bare_start():
+    """s of processor time of a Python that does nothing, the least of three, as busy as this machine is."""
+    took = []
+    for _ in range(3):
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        subprocess.run([sys.executable, "-c", "pass"], check=True)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        took.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+    return min(took)
+
+
 @pytest.mark.parametrize("name", COMMANDS)
 def test_help_takes_no_time_and_does_not_mind_who_reads_it_or_where(name, tmp_path):
     took = []
@@ -160,7 +171,7 @@ def test_help_takes_no_time_and_does_not_mind_who_reads_it_or_where(name, tmp_pa
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         assert code == 0 and out.startswith(f"usage: {name}") and not err
         took.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
-    assert min(took) <= 0.3
+    assert min(took) <= max(0.3, 6.0 * bare_start())
     reader, writer = os.pipe()
     os.close(reader)
     (tmp_path / "gone").mkdir()

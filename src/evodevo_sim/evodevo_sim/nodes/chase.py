@@ -35,6 +35,7 @@ from ..view.files import OutputError
 _START = 90.0  # s for a simulator of our own to start; it may have to compile
 _ANSWER = 10.0  # s for a simulator of the graph to answer
 _SILENCE = 10.0  # s without cell states after which a simulator counts as lost
+_LATE = 2.0  # s after a birth within which states of another animat may still come
 
 
 class ChaseError(RuntimeError):
@@ -102,6 +103,8 @@ class Chase:
         self.ended = False
         self._answer: Future | None = None
         self._lives = False
+        self._others: dict[type, int] = {}  # the last step of another animat, by the type of message that told it
+        self._born_by = 0.0  # s, of the clock, from which on whatever comes is ours
         self._since, self._step = 0.0, -1
         self._bar: Any = None  # of tqdm
 
@@ -187,7 +190,15 @@ class Chase:
 
     def _is_ours(self, message) -> bool:
         """Whether it is of our animat: another one may live on the simulator until ours is born, at step 0."""
-        self._lives = self._lives or (self._answer is not None and (message.step == 0 or self._answer.done()))
+        if self._lives or self._answer is None:
+            return self._lives
+        before = self._others.get(type(message))
+        if self._answer.done() and not self._born_by:
+            self._born_by = time.monotonic() + _LATE
+        # What was on its way when ours was born has a later step than the other one's last; ours begins anew.
+        began = self._answer.done() and (before is None or message.step < before or time.monotonic() > self._born_by)
+        self._lives = message.step == 0 or began
+        self._others[type(message)] = message.step
         return self._lives
 
     def _aim(self, centre, now: float) -> None:

@@ -35,7 +35,8 @@ def headline(recording: Recording, life: Life) -> tuple[str, str]:
             facts.append("audit: " + ", ".join(f"{run.fitness:.3f} {run.name}" for run in found.runs[1:]))
     if len(life.time):
         facts.append(f"{life.position.shape[1]} cells, {len(life.chambers)} chambers")
-        seconds, away = life.time[-1] - life.time[0], life.target_distance[np.isfinite(life.target).all(axis=1)] if len(life.target) else []
+        seconds = life.time[-1] - life.time[0]
+        away: np.ndarray = life.target_distance[np.isfinite(life.target).all(axis=1)] if len(life.target) else np.empty(0)
         if len(away):
             facts.append(f"{away[0]:.1f}, then {away[-1]:.1f} m from the target in {seconds:.1f} s")
         else:
