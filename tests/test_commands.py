@@ -87,13 +87,13 @@ def until(ready, seconds=DEADLINE):
 
 
 def interrupted(name, moment, number, directory):
-    """(whether it was still at work, exit code, stdout, stderr, s of processor time until it heard signals)."""
+    """(whether it was still at work, exit code, stdout, stderr, s of processor time until it heard signals, 0 where it ended first)."""
     directory.mkdir()
     (directory / "body.yaml").write_text(BODY)
     arguments = [str(argument).replace("{}", str(directory)) for argument in BUSY.get(name, [])]
     with start(name, *arguments, cwd=directory) as process:
         until(lambda: process.poll() is not None or hears(process.pid))
-        spent = processor_time(process.pid)
+        spent = processor_time(process.pid) if process.poll() is None else 0.0  # what has ended unwaited for still has its files
         time.sleep(moment)  # the case, not a synchronisation
         at_work = process.poll() is None
         process.send_signal(number)
