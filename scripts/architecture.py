@@ -38,6 +38,7 @@ ROOMS = (
     ("plant", "what a brain drives: the contract, and the simulated bodies", "4"),
     ("tasks", "evaluate: a kernel, a fitness and an audit for each task", "4"),
     ("live", "an animat step by step, at a pace; targets", "4.3"),
+    ("hardware", "bodies of rubber and air: the line, its protocol, calibration, limits; an emulated one", ""),
     ("analysis", "what motions are like: gaits by name, turning", "4, Fig. 6"),
     ("library", "what the package offers to Python", ""),
     ("ros", "the table of topics; messages to and from objects; callbacks that cannot end a node", ""),

@@ -20,6 +20,7 @@ setup(
     extras_require={
         "gaits": ["scipy"],
         "view": ["matplotlib", "rerun-sdk"],
+        "hardware": ["pyserial", "cobs"],
         "ros": [
             "mcap", "mcap-ros2-support", "zstandard", "rich", "tqdm",
             "ros-jazzy-rclpy>=7.1.4", "ros-jazzy-common-interfaces", "ros-jazzy-rmw-fastrtps-cpp",
@@ -39,6 +40,8 @@ setup(
             "simulate = evodevo_sim.commands.entry:simulate",
             "gait = evodevo_sim.commands.entry:gait",
             "replay = evodevo_sim.commands.entry:replay",
+            "driver = evodevo_sim.commands.entry:driver",
+            "emulate = evodevo_sim.commands.entry:emulate",
             "chase = evodevo_sim.commands.entry:chase",
             "request = evodevo_sim.commands.entry:request",
             "turning = evodevo_sim.commands.entry:turning",

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 _EXTRAS = {
-    "scipy": "gaits",
+    "scipy": "gaits", "serial": "hardware", "cobs": "hardware",
     "matplotlib": "view", "mpl_toolkits": "view", "rerun": "view", "rerun_cli": "view", "rerun_bindings": "view",
     "mcap": "ros", "mcap_ros2": "ros", "zstandard": "ros", "rich": "ros", "tqdm": "ros",
     "rclpy": "ros", "ament_index_python": "ros", "builtin_interfaces": "ros", "geometry_msgs": "ros", "rcl_interfaces": "ros",
-    "std_msgs": "ros", "std_srvs": "ros",
+    "std_msgs": "ros", "std_srvs": "ros", "diagnostic_msgs": "ros",
 }
 
 

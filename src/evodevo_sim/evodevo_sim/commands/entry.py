@@ -19,6 +19,20 @@ def chase() -> Main:
     return main
 
 
+@command(code_of=lambda number: 0)  # a signal is how a node is told to end
+def driver() -> Main:
+    from .driver import main
+
+    return main
+
+
+@command(code_of=lambda number: 0)
+def emulate() -> Main:
+    from .emulate import main
+
+    return main
+
+
 @command
 def gait() -> Main:
     from .gait import main

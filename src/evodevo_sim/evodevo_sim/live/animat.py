@@ -8,6 +8,9 @@ import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import Future
+from typing import Any
+
+import numpy as np
 
 from ..genetics.genome import Genome
 from ..inputs import shown
@@ -28,7 +31,8 @@ class NotViable(ValueError):
 class Animat:
     """An animat that lives for as long as it is stepped: a brain that drives a plant.
 
-    Args: genome, task, seed: as for `evaluate`, but that no number of control steps ends it.  Raises NotViable.
+    Args: genome, task, seed: as for `evaluate`, but that no number of control steps ends it; embody: makes the plant that it drives in
+    the place of the simulated one, of that one; it may refuse it by NotViable.  Raises NotViable.
 
     Attributes:
         brain: see `brain.controller.Controller`; plant: see `plant.Plant`; body: see `body.Body`.
@@ -38,7 +42,7 @@ class Animat:
         target: (x, y) m, whose scent the cells sense from the next step on if the task has targets; or None.
     """
 
-    def __init__(self, genome: Genome, task: Task = Task(), seed: int = 0):
+    def __init__(self, genome: Genome, task: Task = Task(), seed: int = 0, embody: Callable[[Any], Any] | None = None):
         self.genome, self.task, self.seed = genome, task, seed
         self.target: tuple[float, float] | None = None
         if too_much := over_limit(genome, task):
@@ -48,13 +52,17 @@ class Animat:
         if self.status != Status.OK:
             raise NotViable(STIFF if self.status == Status.UNSTABLE else self.cause)
         self.body = self.plant.body
+        if embody is not None:
+            self.plant = embody(self.plant)
+        self._sensed = self.plant.position.copy()  # where cells were last seen
+        self._lost = False  # whether the plant has not answered
         self.position, self.velocity, self.activation = self.plant.position, self.plant.velocity, self.brain.activation
 
     def reset(self) -> None:
         """Back to birth, at once however long growth took.  The target stays."""
         self.brain.reset()
         self.plant.reset()
-        self.steps, self.status = 0, Status.OK
+        self.steps, self.status, self._lost = 0, Status.OK, False
 
     @property
     def time(self) -> float:
@@ -68,13 +76,26 @@ class Animat:
     def step(self) -> None:
         """Live for one control step: one regulation step, then the body's."""
         if self.status == Status.OK:
-            activation = self.brain.step(self.position, self.target if self.task.has_target else None)
-            outcome = self.plant.move(activation, self.task.control_step)
+            if not self._lost:
+                self.brain.step(self._where(), self.target if self.task.has_target else None)
+            outcome = self.plant.move(self.activation, self.task.control_step)
+            self._lost = outcome == Outcome.LOST
+            if self._lost:  # the brain waits with the body
+                return
             if outcome != Outcome.SOUND:
                 self.status = Status.INVERTED if outcome == Outcome.INVERTED else Status.UNSTABLE
             elif not self.task.has_target and (self.steps + 1) % _LOOK == 0 and self.brain.rests() and self.plant.rests():
                 self.status = Status.RESTING  # where there are targets, one may come and wake it
         self.steps += 1
+
+
+    def _where(self) -> np.ndarray:
+        """The cells (N, 2) m as the brain senses them: where one is not seen, where it was last."""
+        if np.isfinite(self.position).all():
+            return self.position
+        seen = np.isfinite(self.position)
+        self._sensed[seen] = self.position[seen]
+        return self._sensed
 
 
 class Stage:
@@ -118,6 +139,15 @@ class Stage:
     def reset(self) -> bool:
         """Back to birth; an animat that is held stays so.  Returns whether there is an animat."""
         return self._do(self._begin_anew)
+
+    def unload(self) -> bool:
+        """Let nobody live any more.  Returns whether there was one."""
+        return self._do(self._leave)
+
+    @property
+    def lives(self) -> bool:
+        """Whether there is an animat, held or not."""
+        return self._animat is not None
 
     @property
     def paused(self) -> bool:
@@ -199,6 +229,11 @@ class Stage:
         self._due = time.monotonic() + self._interval
         self._show(self._animat)
         return True
+
+    def _leave(self):
+        there = self._animat is not None
+        self._animat, self._paused = None, False
+        return there
 
     def _hold(self, paused):
         if self._animat is None:

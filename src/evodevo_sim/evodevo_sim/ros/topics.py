@@ -104,8 +104,16 @@ TARGET_POSE = Topic(
     "target_pose", PoseStamped, COMMAND, "chase", "where to go, in frame `world`; stamped at sending, or with 0", "targets", many=True,
 )
 SCENE = Topic("scene", msg.Scene, LATCHED, "", "the world of a walk by `simulate`", "scene")
+CHANNELS = Topic("channels", msg.Channels, LATCHED, "driver", "channel, marker and limits of each cell of hardware", "channels")
+COMMAND_STREAM = Topic(
+    "command", msg.Actuation, COMMAND, "your own brain", "activation that a driver's body is to take while none of its own animats lives",
+    "commands", many=True,
+)
 GAIT = Topic("gait", msg.Gait, LATCHED, "", "what `evolve` found the motion to be", "gait")
-TOPICS = (SETTINGS, STATISTICS, CHAMPION, AUDIT, GROWTH_BODY, GROWTH_STATES, BODY, CELL_STATES, ACTUATION, TARGET_POSE, SCENE, GAIT)
+TOPICS = (
+    SETTINGS, STATISTICS, CHAMPION, AUDIT, GROWTH_BODY, GROWTH_STATES, BODY, CELL_STATES, ACTUATION, TARGET_POSE, SCENE, CHANNELS,
+    COMMAND_STREAM, GAIT,
+)
 
 
 def role_of(topic: str) -> Topic | None:

@@ -1,0 +1,160 @@
+"""A rig in one file, `plant.yaml`: what actuators, sensors and line do to what they are told (docs/guide/hardware.md).
+
+    actuators: {lag: 0.15, dead_time: 0.03, rate: 4.0, resolution: 0.01, dead: [3, 7]}
+    sensors: {noise: 0.01, delay: 0.02, lost: 0.001, resolution: 0.001}
+    line: {lost: 0.01, damaged: 0.01}
+    events: [{at: 2.0, what: unplug, for: 0.5}, {at: 5.0, what: fail, cells: [4]}]
+    seed: 1
+
+Whatever is left out does nothing.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import os
+from dataclasses import dataclass
+from typing import Any
+
+from ..inputs import InputError, nearest, shown
+from ..parameters import Checked, ParameterError, parameter
+from ..text_file import parsed, read_text
+
+MOST_EVENTS = 1000
+KINDS = ("unplug", "restart", "fail", "stop", "pressure", "silence", "garbage")
+
+
+class RigError(InputError, ValueError):
+    """A rig that cannot be; the message names the key, the value and the mend."""
+
+
+@dataclass(frozen=True)
+class Actuators(Checked):
+    """From the activation that is asked for, e - c, to the one that a muscle has."""
+
+    lag: float = parameter(0.0, 0.0, 60.0, "s", "time constant of the approach to what is asked, of first order")
+    dead_time: float = parameter(0.0, 0.0, 10.0, "s", "time before a change begins to act")
+    rate: float = parameter(0.0, 0.0, 1e6, "1/s", "most change of e - c in a second; 0: no limit")
+    resolution: float = parameter(0.0, 0.0, 2.0, "", "step of e - c that a valve can set; 0: none")
+    dead: tuple[int, ...] = ()  # cells whose actuators do nothing
+
+
+@dataclass(frozen=True)
+class Sensors(Checked):
+    """From where a cell is to where its marker is seen."""
+
+    noise: float = parameter(0.0, 0.0, 1e3, "m", "standard deviation of each coordinate")
+    delay: float = parameter(0.0, 0.0, 10.0, "s", "age of what is seen")
+    resolution: float = parameter(0.0, 0.0, 1e3, "m", "step of a coordinate; 0: none")
+    lost: float = parameter(0.0, 0.0, 1.0, "", "probability of a marker, in each frame, not to be seen")
+
+
+@dataclass(frozen=True)
+class Line(Checked):
+    """What a serial line does to frames, in both directions."""
+
+    lost: float = parameter(0.0, 0.0, 1.0, "", "probability of a frame not to arrive")
+    damaged: float = parameter(0.0, 0.0, 1.0, "", "probability of a frame to arrive with one byte changed")
+
+
+@dataclass(frozen=True)
+class Event:
+    """What happens at a time, s from the start: one of KINDS, for so many s, to cells where it is `fail`."""
+
+    at: float
+    what: str
+    lasts: float = 0.0
+    cells: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class Rig:
+    """A rig.  seed: of noise and of what the line loses; equal seeds, equal rigs."""
+
+    actuators: Actuators = Actuators()
+    sensors: Sensors = Sensors()
+    line: Line = Line()
+    events: tuple[Event, ...] = ()
+    seed: int = 0
+
+    @property
+    def ideal(self) -> bool:
+        """Whether muscles do at once what they are told, and cells are seen where they are."""
+        return self.actuators == Actuators() and self.sensors == Sensors() and not self.events
+
+
+_PARTS: dict[str, type[Checked]] = {"actuators": Actuators, "sensors": Sensors, "line": Line}
+_KEYS = (*_PARTS, "events", "seed")
+
+
+def load_rig(path: str | os.PathLike, cells: int | None = None) -> Rig:
+    """Read a rig's file.  Args: cells: of the body, where it is known.  Raises RigError that names file, key and mend."""
+    text = read_text(path, RigError, "the path of a rig's file, YAML or JSON")
+    try:
+        return make_rig(parsed(text, RigError), cells)
+    except RigError as error:
+        raise RigError(f"{path}: {error}") from None
+
+
+def make_rig(document: Any, cells: int | None = None) -> Rig:
+    """The rig of a file's contents.  Raises RigError."""
+    document = {} if document is None else document
+    _check_keys(document, _KEYS, "")
+    parts = {name: _part(kind, document.get(name), name, cells) for name, kind in _PARTS.items()}
+    seed = document.get("seed", 0)
+    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**63:
+        raise RigError(f"seed is {shown(seed)}: give a whole number from 0 to 2^63 - 1")
+    events = document.get("events") or []
+    if not isinstance(events, list) or len(events) > MOST_EVENTS:
+        raise RigError(f"events is {shown(events)}: give a list of at most {MOST_EVENTS}, each with at, what, for, cells")
+    made = tuple(sorted((_event(one, f"events[{k}]", cells) for k, one in enumerate(events)), key=lambda one: one.at))
+    return Rig(*parts.values(), made, seed)  # type: ignore[arg-type]
+
+
+def _check_keys(document: Any, known: tuple[str, ...], where: str) -> None:
+    if not isinstance(document, dict):
+        raise RigError(f"{where or 'the file'} is {shown(document)}: give the keys {', '.join(known)}")
+    for key in document:
+        if key not in known:
+            raise RigError(f"unknown key {shown(f'{where}.{key}' if where else str(key))}: did you mean {nearest(key, known)!r}?")
+
+
+def _part(kind: type[Checked], given: Any, name: str, cells: int | None) -> Checked:
+    given = {} if given is None else given
+    names = tuple(field.name for field in dataclasses.fields(kind))  # type: ignore[arg-type]
+    _check_keys(given, names, name)
+    values = dict(given)
+    if "dead" in values:
+        values["dead"] = _cells(values["dead"], f"{name}.dead", cells)
+    try:
+        return kind(**values)
+    except ParameterError as error:
+        raise RigError(str(error)) from None
+
+
+def _event(given: Any, where: str, cells: int | None) -> Event:
+    _check_keys(given, ("at", "what", "for", "cells"), where)
+    what = given.get("what")
+    if what not in KINDS:
+        raise RigError(f"{where}.what is {shown(what)}: choose one of {', '.join(KINDS)}")
+    at, lasts = (_seconds(given.get(key, default), f"{where}.{key}") for key, default in (("at", None), ("for", 0.0)))
+    return Event(at, what, lasts, _cells(given.get("cells", []), f"{where}.cells", cells))
+
+
+def _seconds(value: Any, where: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 <= value <= 1e9 or not math.isfinite(value):
+        raise RigError(f"{where} is {shown(value)}: give seconds from 0 to 1e9")
+    return float(value)
+
+
+def _cells(value: Any, where: str, cells: int | None) -> tuple[int, ...]:
+    most = (cells if cells is not None else 4096) - 1
+    if not isinstance(value, (list, tuple)):
+        raise RigError(f"{where} is {shown(value)}: give a list of cells, each from 0 to {most}")
+    for k, one in enumerate(value):
+        if isinstance(one, bool) or not isinstance(one, int) or not 0 <= one <= most:
+            raise RigError(f"{where}[{k}] is {shown(one)}: give the number of a cell, 0 to {most}")
+        if one in value[:k]:
+            raise RigError(f"{where}[{k}] is {one} again: give each cell once")
+    return tuple(value)

@@ -1,0 +1,232 @@
+"""`ros2 run evodevo_sim driver`: a body of rubber and air in the place of the simulator's, behind the same topics and services."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from std_srvs.srv import Trigger
+
+from evodevo_msgs.msg import Channels
+from evodevo_msgs.srv import Evaluate
+
+from ..genetics.genome import GenomeError
+from ..hardware.calibration import Calibration
+from ..hardware.serial_body import Health, SerialBody
+from ..hardware.serial_line import LineError
+from ..hardware.trial import TrialError, check_task, embody, trial
+from ..live.animat import Animat
+from ..parameters import ParameterError
+from ..ros.barrier import Callbacks, Desk, brief
+from ..ros.messages import evaluation_message, genome_from_message, task_of_request
+from ..ros.node_parameters import fixed, seconds
+from ..ros.topics import CHANNELS, COMMAND_STREAM
+from ..tasks.evaluation import invalid
+from .living import ENDING, Living
+
+_DIAGNOSE_EVERY = 1.0  # s
+_LEVEL = {
+    Health.FINE: DiagnosticStatus.OK, Health.VENTED: DiagnosticStatus.WARN, Health.STALE: DiagnosticStatus.WARN,
+    Health.SILENT: DiagnosticStatus.STALE, Health.UNPLUGGED: DiagnosticStatus.ERROR, Health.FOREIGN: DiagnosticStatus.ERROR,
+    Health.STOPPED: DiagnosticStatus.ERROR,
+}
+
+
+class Driver(LifecycleNode):
+    """The node, managed: `configure` opens the line and asks who is there, `activate` lets commands through, `deactivate` vents,
+    `cleanup` leaves the line.
+
+    Args: stop: an Event; set, a trial ends early; port, baud: of the line; calibration.
+    """
+
+    def __init__(self, stop: Any, port: str, baud: int, calibration: Calibration):
+        super().__init__("driver")
+        self._stop, self._port, self._baud, self._calibration = stop, port, baud, calibration
+        frame = self.declare_parameter("frame_id", "world", fixed("frame of positions and targets")).value
+        every = self.declare_parameter("publish_every", 1, fixed("control steps between cell states", 1, 100_000)).value
+        oldest = seconds(self, "target_age", 1.0, "s, of the oldest target that counts")
+        if not frame:
+            raise ParameterError("frame_id is empty: give the name of a frame, e.g. world")
+        self._frame, self._every, self._oldest = frame, every, oldest
+        self.hardware: SerialBody | None = None
+        self._active = False
+        self._callbacks = Callbacks(self)
+        self._evaluations, self._births = Desk("evaluations"), Desk("births")
+        self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
+        self._channels = self.create_publisher(CHANNELS.type, CHANNELS.name, CHANNELS.quality)
+        self._living = Living(self, self._callbacks, self._births, frame, every, oldest, stop.is_set, self._make)
+        self._callbacks.service(Evaluate, "evaluate", self._evaluate, self._evaluations)
+        self._callbacks.service(Trigger, "stop", self._emergency)
+        self._callbacks.service(Trigger, "arm", self._arm)
+        self._callbacks.subscription(COMMAND_STREAM.type, COMMAND_STREAM.name, self._stream, COMMAND_STREAM.quality)
+        self.create_timer(_DIAGNOSE_EVERY, self._diagnose)
+        self.create_timer(calibration.command_within / 4, self._keep)
+        self._trying = False
+
+    # --- lifecycle -------------------------------------------------------------------------------------------------------
+
+    def on_configure(self, state: LifecycleState) -> TransitionCallbackReturn:
+        try:
+            self.open()
+        except LineError as error:
+            self.get_logger().error(brief(error))
+            return TransitionCallbackReturn.FAILURE
+        return super().on_configure(state)
+
+    def open(self) -> None:
+        """Open the line and tell its channels.  Raises LineError; nothing has moved then."""
+        if self.hardware is None:
+            self.hardware = SerialBody(self._port, self._calibration, self._baud, self._report)
+        c = self._calibration
+        message = Channels(name=c.name, channel=c.channel.tolist(), marker=c.marker.tolist())
+        for name in ("vent", "rest", "span", "least", "most", "rate"):
+            setattr(message, name, getattr(c, name).tolist())
+        message.header.frame_id = self._frame
+        self._channels.publish(message)
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        self._active = True
+        return super().on_activate(state)
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        self._active = False
+        self._living.stage.unload()
+        if self.hardware is not None:
+            self.hardware.release()
+        return super().on_deactivate(state)
+
+    def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
+        self._leave()
+        return super().on_cleanup(state)
+
+    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
+        self._leave()
+        return super().on_shutdown(state)
+
+    def _leave(self) -> None:
+        self._active = False
+        self._living.stage.unload()
+        if self.hardware is not None:
+            self.hardware.close()
+            self.hardware = None
+
+    def close(self) -> None:
+        self._active = False
+        self._evaluations.close()
+        self._births.close()
+        self._living.close()
+        if self.hardware is not None:
+            self.hardware.close()
+        self.destroy_node()
+
+    # --- what is asked of the body ---------------------------------------------------------------------------------------
+
+    def _ready(self) -> SerialBody:
+        if self.hardware is None or not self._active:
+            raise ParameterError("the driver is not active: configure and activate it first")
+        return self.hardware
+
+    def _make(self, genome, task, seed) -> Animat:
+        if self._trying:
+            raise ParameterError("an evaluation is under way on the body: wait for its answer")
+        body = self._ready()
+        return Animat(genome, task, seed, lambda grown: embody(grown.position, body))
+
+    def _evaluate(self, request, response):
+        if not 0 < len(request.genomes) <= 100:
+            response.error = f"{len(request.genomes)} genomes in a request: give 1 to 100"
+            return response
+        try:
+            task = task_of_request(request.task)
+            check_task(task)
+            body = self._ready()
+            self._trying = True
+            self._living.stage.unload()
+            for message in request.genomes:
+                if self._stop.is_set():
+                    raise ParameterError(ENDING)
+                response.evaluations.append(evaluation_message(self._trial(message, task, request.seed, body)))
+        except (ParameterError, TrialError) as error:
+            response.evaluations, response.error = [], brief(error)
+        finally:
+            self._trying = False
+            if self.hardware is not None:
+                self.hardware.release()
+        return response
+
+    def _trial(self, message, task, seed, body):
+        try:
+            return trial(genome_from_message(message), task, seed, body, lambda: self._stop.is_set() or not self._active)
+        except GenomeError as error:
+            return invalid(brief(error))
+
+    def _stream(self, message) -> None:
+        """A command of somebody else's brain, where none of ours lives."""
+        if self._living.stage.lives or self._trying:
+            self._callbacks.warn("stream", "a command ignored: an animat lives on the body, pause or end that one first")
+            return
+        if len(message.activation) != self._calibration.cells:
+            given = len(message.activation)
+            self._callbacks.warn("length", f"a command for {given} cells ignored: the body has {self._calibration.cells}")
+            return
+        asked = np.array(message.activation)
+        if not np.isfinite(asked).all():
+            self._callbacks.warn("finite", "a command with a number that is not finite ignored: give -1 to 1")
+            return
+        self._ready().command(np.clip(asked, -1.0, 1.0))
+
+    def _keep(self) -> None:
+        """An animat that is paused keeps its shape."""
+        if self.hardware is not None and self._living.stage.paused:
+            self.hardware.hold()
+
+    def _emergency(self, _, response):
+        if self.hardware is not None:
+            self.hardware.stop()
+        self._living.stage.unload()
+        response.success = self.hardware is not None
+        response.message = "stopped and vented: arm lets it move again" if response.success else "the driver is not configured"
+        return response
+
+    def _arm(self, _, response):
+        self._ready().rearm()
+        response.success, response.message = True, "it may move"
+        return response
+
+    # --- what is said of it ----------------------------------------------------------------------------------------------
+
+    def _report(self, health: Health, why: str) -> None:
+        line = brief(f"{health.value}: {why}")
+        self.get_logger().info(line) if health == Health.FINE else self.get_logger().warning(line)
+        self._diagnose()
+
+    def _diagnose(self) -> None:
+        body = self.hardware
+        status = DiagnosticStatus(name=f"driver: {self._calibration.name}", hardware_id=self._port)
+        if body is None:
+            status.level, status.message = DiagnosticStatus.STALE, "not configured"
+        else:
+            status.level, status.message = _LEVEL[body.health], brief(f"{body.health.value}: {body.why}")
+            limits, latency = body.limiter.report, body.latency[-1000:]
+            values = {
+                "health": body.health.name, "states lost": body.counts.lost, "frames damaged": body.damaged,
+                "line reopened": body.counts.reopened, "firmware restarted": body.counts.restarted, "vented": body.counts.vented,
+                "limited in magnitude": limits.magnitude, "limited in rate": limits.rate, "levels refused": limits.refused,
+                "latency ms, 99 %": f"{1e3 * float(np.percentile(latency, 99)):.2f}" if latency else "",
+            }
+            status.values = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
+        message = DiagnosticArray(status=[status])
+        message.header.stamp = self.get_clock().now().to_msg()
+        self._diagnostics.publish(message)
+
+
+def activate(driver: Driver) -> None:
+    """Configure and activate at once, for who has no manager.  Raises LineError where that fails."""
+    driver.open()
+    for transition in (driver.trigger_configure, driver.trigger_activate):
+        if transition() != TransitionCallbackReturn.SUCCESS:
+            raise LineError("the driver does not come up: see its log")
+        time.sleep(0)
