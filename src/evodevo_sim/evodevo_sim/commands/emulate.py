@@ -87,3 +87,8 @@ def _say(line: str) -> None:
     print(line, flush=True)
 
 
+
+if __name__ == "__main__":
+    from .entry import emulate as entry
+
+    sys.exit(entry())

@@ -53,15 +53,15 @@ class Driver(LifecycleNode):
         self._frame, self._every, self._oldest = frame, every, oldest
         self.hardware: SerialBody | None = None
         self._active = False
-        self._callbacks = Callbacks(self)
+        self._barrier = Callbacks(self)
         self._evaluations, self._births = Desk("evaluations"), Desk("births")
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self._channels = self.create_publisher(CHANNELS.type, CHANNELS.name, CHANNELS.quality)
-        self._living = Living(self, self._callbacks, self._births, frame, every, oldest, stop.is_set, self._make)
-        self._callbacks.service(Evaluate, "evaluate", self._evaluate, self._evaluations)
-        self._callbacks.service(Trigger, "stop", self._emergency)
-        self._callbacks.service(Trigger, "arm", self._arm)
-        self._callbacks.subscription(COMMAND_STREAM.type, COMMAND_STREAM.name, self._stream, COMMAND_STREAM.quality)
+        self._living = Living(self, self._barrier, self._births, frame, every, oldest, stop.is_set, self._make)
+        self._barrier.service(Evaluate, "evaluate", self._evaluate, self._evaluations)
+        self._barrier.service(Trigger, "stop", self._emergency)
+        self._barrier.service(Trigger, "arm", self._arm)
+        self._barrier.subscription(COMMAND_STREAM.type, COMMAND_STREAM.name, self._stream, COMMAND_STREAM.quality)
         self.create_timer(_DIAGNOSE_EVERY, self._diagnose)
         self.create_timer(calibration.command_within / 4, self._keep)
         self._trying = False
@@ -89,6 +89,7 @@ class Driver(LifecycleNode):
 
     def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
         self._active = True
+        self.get_logger().info("ready")
         return super().on_activate(state)
 
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
@@ -166,15 +167,15 @@ class Driver(LifecycleNode):
     def _stream(self, message) -> None:
         """A command of somebody else's brain, where none of ours lives."""
         if self._living.stage.lives or self._trying:
-            self._callbacks.warn("stream", "a command ignored: an animat lives on the body, pause or end that one first")
+            self._barrier.warn("stream", "a command ignored: an animat lives on the body, pause or end that one first")
             return
         if len(message.activation) != self._calibration.cells:
             given = len(message.activation)
-            self._callbacks.warn("length", f"a command for {given} cells ignored: the body has {self._calibration.cells}")
+            self._barrier.warn("length", f"a command for {given} cells ignored: the body has {self._calibration.cells}")
             return
         asked = np.array(message.activation)
         if not np.isfinite(asked).all():
-            self._callbacks.warn("finite", "a command with a number that is not finite ignored: give -1 to 1")
+            self._barrier.warn("finite", "a command with a number that is not finite ignored: give -1 to 1")
             return
         self._ready().command(np.clip(asked, -1.0, 1.0))
 

@@ -1,0 +1,187 @@
+"""The driver as a node in the simulator's place, on a body that is emulated behind a pseudo-terminal: processes over DDS."""
+
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+
+import numpy as np
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray
+from evodevo_sim.ros.messages import genome_message, task_message
+from evodevo_sim.ros.topics import ACTUATION, BODY, CELL_STATES, CHANNELS, COMMAND_STREAM
+from lab import DEADLINE, Operator
+from std_srvs.srv import SetBool, Trigger
+
+from evodevo_msgs.msg import Actuation
+from evodevo_msgs.srv import Evaluate, Load
+from evodevo_sim import champions, load_champion
+from evodevo_sim.parameters import default_task, with_settings
+
+GENOME = "undulator"
+
+
+@contextmanager
+def running(directory, command, *arguments, ready):
+    """What a command says, as a function, from when it has said `ready` on; asked to end at the end, which it must in good order."""
+    file = directory / f"{command}.log"
+    with open(file, "w") as log:
+        process = subprocess.Popen([sys.executable, "-m", f"evodevo_sim.commands.{command}", *map(str, arguments)], stdout=log, stderr=log)
+    try:
+        deadline = time.monotonic() + DEADLINE
+        while ready not in file.read_text():
+            assert process.poll() is None and time.monotonic() < deadline, file.read_text()
+            time.sleep(0.02)
+        yield file.read_text
+    finally:
+        process.terminate()
+        try:
+            code = process.wait(20.0)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+            raise
+    assert code == 0 and "Traceback" not in file.read_text(), file.read_text()
+
+
+@contextmanager
+def rig(directory, rig=""):
+    """An emulated body at directory/eel, with the faults of a rig's file."""
+    (directory / "plant.yaml").write_text(rig or "{}")
+    link, calibration = directory / "eel", directory / "eel.yaml"
+    arguments = (champions()[GENOME], "--link", link, "--calibration", calibration, "--rig", directory / "plant.yaml")
+    with running(directory, "emulate", *arguments, ready="emulating"):
+        while not link.is_symlink():
+            time.sleep(0.01)
+        yield link, calibration
+
+
+@contextmanager
+def driver(link, calibration):
+    arguments = ("--port", link, "--calibration", calibration, "--ros-args", "-r", "__ns:=/eel")
+    with running(link.parent, "driver", *arguments, ready="ready") as said:
+        yield said
+
+
+def loaded(operator, pace=1.0, name=GENOME):
+    answer = operator.call(
+        Load, "/eel/load", task=task_message(default_task("swim")), genome=genome_message(load_champion(name)), real_time_factor=pace,
+    )
+    return answer
+
+
+def test_an_animat_lives_on_hardware_as_it_does_in_a_simulator(tmp_path):
+    with rig(tmp_path) as (link, calibration), driver(link, calibration), Operator() as operator:
+        bodies = operator.listen(BODY.type, "/eel/body", BODY.quality)
+        states = operator.listen(CELL_STATES.type, "/eel/cell_states", CELL_STATES.quality)
+        actuation = operator.listen(ACTUATION.type, "/eel/actuation", ACTUATION.quality)
+        channels = operator.listen(CHANNELS.type, "/eel/channels", CHANNELS.quality)
+        diagnostics = operator.listen(DiagnosticArray, "/diagnostics", 10)
+        answer = loaded(operator)
+        assert answer.success, answer.message
+        cells = operator.until(lambda: bodies and bodies[-1].cells)
+        operator.until(lambda: len(states) > 150 and len(actuation) > 100)
+        assert channels[-1].name and list(channels[-1].channel) == list(range(cells))
+        last = states[-1]
+        assert len(last.position_x) == len(last.activation) == cells and np.isfinite(last.position_x).all()
+        steps = np.diff([state.step for state in states])
+        assert (steps > 0).all()
+        # It swims: the muscles that the network drives carry the body away from where it was born.
+        far = np.hypot(np.mean(last.position_x) - np.mean(states[0].position_x), np.mean(last.position_y) - np.mean(states[0].position_y))
+        assert far > 0.3
+        operator.until(lambda: diagnostics and any("health" in value.key for value in diagnostics[-1].status[0].values))
+        assert operator.call(SetBool, "/eel/pause", data=True).success
+        assert operator.call(Trigger, "/eel/reset").success
+        assert operator.call(SetBool, "/eel/pause", data=False).success
+        seen = len(states)
+        operator.until(lambda: len(states) > seen + 20)
+        assert operator.call(Trigger, "/eel/stop").success
+        operator.until(lambda: diagnostics[-1].status[0].message.startswith("emergency stop"))
+        assert diagnostics[-1].status[0].level == b"\x02"
+        assert operator.call(Trigger, "/eel/arm").success
+        assert loaded(operator).success
+        seen = len(states)
+        operator.until(lambda: len(states) > seen + 20)
+
+
+def test_another_body_and_what_is_no_task_are_refused(tmp_path):
+    with rig(tmp_path) as (link, calibration), driver(link, calibration), Operator() as operator:
+        answer = loaded(operator, name="peristalsis")
+        assert not answer.success and "m from where the body" in answer.message or "cells, and the body" in answer.message
+        walk = operator.call(
+            Evaluate, "/eel/evaluate", task=task_message(default_task("walk")), genomes=[genome_message(load_champion(GENOME))],
+        )
+        assert "cannot be evaluated on hardware" in walk.error and not walk.evaluations
+
+
+def test_hardware_evaluates_genomes_of_its_body(tmp_path):
+    task = with_settings(default_task("swim"), {"control_steps": 240})
+    with rig(tmp_path) as (link, calibration), driver(link, calibration), Operator() as operator:
+        genomes = [genome_message(load_champion(name)) for name in (GENOME, "peristalsis")]
+        answer = operator.call(Evaluate, "/eel/evaluate", task=task_message(task), genomes=genomes)
+        assert answer.error == "" and len(answer.evaluations) == 2
+        fits, other = answer.evaluations
+        assert fits.status == 0 and fits.metrics.distance > 0.2 and fits.fitness > 0.0 and fits.metrics.chambers > 0
+        assert other.status != 0 and other.fitness < 0.0 and "the body" in other.cause
+
+
+def test_commands_of_your_own_brain_are_limited_and_time_out(tmp_path):
+    with rig(tmp_path) as (link, calibration), driver(link, calibration) as said, Operator() as operator:
+        diagnostics = operator.listen(DiagnosticArray, "/diagnostics", 10)
+        publisher = operator.node.create_publisher(Actuation, "/eel/command", COMMAND_STREAM.quality)
+        operator.until(publisher.get_subscription_count)
+        operator.until(lambda: diagnostics)
+        cells = len(load_cells(calibration))
+        def healthy(name):
+            return any(v.key == "health" and v.value == name for v in diagnostics[-1].status[0].values)
+
+        def streaming():
+            publisher.publish(Actuation(activation=[0.5] * cells))
+            return healthy("FINE")
+
+        operator.until(streaming)
+        operator.until(lambda: healthy("STALE") or healthy("VENTED"))
+        publisher.publish(Actuation(activation=[0.5]))
+        publisher.publish(Actuation(activation=[float("nan")] * cells))
+        operator.until(streaming)
+        operator.until(lambda: "a command for 1 cells ignored" in said())
+
+
+def load_cells(calibration):
+    from evodevo_sim.hardware.calibration import load_calibration
+
+    return load_calibration(calibration).channel
+
+
+@pytest.mark.parametrize("fault, name", [("unplug", "UNPLUGGED"), ("restart", "VENTED")])
+def test_the_node_outlives_what_happens_to_the_body(tmp_path, fault, name):
+    events = f"events: [{{at: 6.0, what: {fault}, for: 0.5}}]"
+    with rig(tmp_path, events) as (link, calibration), driver(link, calibration), Operator() as operator:
+        diagnostics = operator.listen(DiagnosticArray, "/diagnostics", 10)
+        states = operator.listen(CELL_STATES.type, "/eel/cell_states", CELL_STATES.quality)
+        assert loaded(operator).success
+        seen = set()
+
+        def named():
+            seen.update(v.value for m in diagnostics for v in m.status[0].values if v.key == "health")
+            return name in seen
+
+        operator.until(named)
+        lived = len(states)
+        operator.until(lambda: len(states) > lived + 60)
+        assert (np.diff([state.step for state in states]) == 1).mean() > 0.8  # the same life goes on
+
+
+@pytest.mark.parametrize("arguments, says", [
+    (("--port", "/dev/null", "--calibration", "{}"), "/dev/null"),
+    (("--port", "{}/none", "--calibration", "{}"), "there is no such port"),
+    (("--port", "{}/none", "--calibration", "{}/none.yaml"), "No such file"),
+])
+def test_bad_input_is_one_line_and_exit_code_2(tmp_path, arguments, says):
+    with rig(tmp_path) as (_, calibration):
+        pass
+    given = [argument.replace("{}", str(calibration), 1) if argument == "{}" else argument.replace("{}", str(tmp_path)) for argument in arguments]
+    command = [sys.executable, "-m", "evodevo_sim.commands.driver", *given]
+    process = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=DEADLINE)
+    out = process.stdout
+    assert process.returncode == 2 and says in out and len(out.strip().splitlines()) == 1, out
