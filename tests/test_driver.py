@@ -8,6 +8,7 @@ from contextlib import contextmanager
 import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
+from evodevo_sim.parameters import default_task, with_settings
 from evodevo_sim.ros.messages import genome_message, task_message
 from evodevo_sim.ros.topics import ACTUATION, BODY, CELL_STATES, CHANNELS, COMMAND_STREAM
 from lab import DEADLINE, Operator
@@ -16,7 +17,6 @@ from std_srvs.srv import SetBool, Trigger
 from evodevo_msgs.msg import Actuation
 from evodevo_msgs.srv import Evaluate, Load
 from evodevo_sim import champions, load_champion
-from evodevo_sim.parameters import default_task, with_settings
 
 GENOME = "undulator"
 
@@ -64,10 +64,9 @@ def driver(link, calibration):
 
 
 def loaded(operator, pace=1.0, name=GENOME):
-    answer = operator.call(
+    return operator.call(
         Load, "/eel/load", task=task_message(default_task("swim")), genome=genome_message(load_champion(name)), real_time_factor=pace,
     )
-    return answer
 
 
 def test_an_animat_lives_on_hardware_as_it_does_in_a_simulator(tmp_path):
@@ -107,7 +106,7 @@ def test_an_animat_lives_on_hardware_as_it_does_in_a_simulator(tmp_path):
 def test_another_body_and_what_is_no_task_are_refused(tmp_path):
     with rig(tmp_path) as (link, calibration), driver(link, calibration), Operator() as operator:
         answer = loaded(operator, name="peristalsis")
-        assert not answer.success and "m from where the body" in answer.message or "cells, and the body" in answer.message
+        assert (not answer.success and "m from where the body" in answer.message) or "cells, and the body" in answer.message
         walk = operator.call(
             Evaluate, "/eel/evaluate", task=task_message(default_task("walk")), genomes=[genome_message(load_champion(GENOME))],
         )
@@ -180,7 +179,7 @@ def test_the_node_outlives_what_happens_to_the_body(tmp_path, fault, name):
 def test_bad_input_is_one_line_and_exit_code_2(tmp_path, arguments, says):
     with rig(tmp_path) as (_, calibration):
         pass
-    given = [argument.replace("{}", str(calibration), 1) if argument == "{}" else argument.replace("{}", str(tmp_path)) for argument in arguments]
+    given = [str(calibration) if argument == "{}" else argument.replace("{}", str(tmp_path)) for argument in arguments]
     command = [sys.executable, "-m", "evodevo_sim.commands.driver", *given]
     process = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=DEADLINE)
     out = process.stdout

@@ -37,6 +37,7 @@ from hypothesis import strategies as st
 
 CELLS = 5
 STEP = 1 / 60
+IDEAL = Rig()
 PLACES = np.stack([np.arange(CELLS), np.zeros(CELLS)], 1) * 1.0
 
 floats = st.floats(width=32)
@@ -50,7 +51,9 @@ messages = st.one_of(
         Welcome, *[st.integers(0, 255)] * 3, st.integers(0, 2**32 - 1), uint16, st.text(max_size=8),
     ),
     st.builds(
-        lambda n, t, e, mode, fault, p, m: State(n, t, e, mode, Fault(fault), np.array(p, np.float32), np.array(m, np.float32).reshape(-1, 2)),
+        lambda n, t, e, mode, fault, p, m: State(
+            n, t, e, mode, Fault(fault), np.array(p, np.float32), np.array(m, np.float32).reshape(-1, 2)
+        ),
         uint16, st.integers(0, 2**32 - 1), uint16, st.sampled_from(Mode), st.integers(0, 31), st.lists(floats, max_size=255),
         st.lists(st.tuples(floats, floats), max_size=255),
     ),
@@ -310,7 +313,7 @@ class Masses:
 class Bench:
     """An emulated body on a pseudo-terminal, in a thread."""
 
-    def __init__(self, directory, rig=Rig(), calibration=None, version=1, step=STEP):
+    def __init__(self, directory, rig=IDEAL, calibration=None, version=1, step=STEP):
         self.calibration = calibration or calibration_of(PLACES, "eel")
         c, self.link = self.calibration, directory / "eel"
         self.firmware = Firmware(c.by_channel(c.vent), c.most_pressure, version=version)
@@ -354,7 +357,7 @@ def at(tmp_path):
     """(bench, body) of a rig."""
     opened = []
 
-    def made(rig=Rig(), **others):
+    def made(rig=IDEAL, **others):
         bench = Bench(tmp_path, rig, **others).__enter__()
         opened.append(bench)
         body = SerialBody(str(bench.link), bench.calibration, report=lambda health, why: heard.append(health))
@@ -409,15 +412,16 @@ def test_a_stop_holds_until_a_person_arms_the_body(at):
 @pytest.mark.parametrize("what", ["unplug", "restart", "silence", "garbage"])
 def test_a_fault_has_a_name_and_the_body_comes_back(at, what):
     named = {"unplug": Health.UNPLUGGED, "restart": Health.VENTED, "silence": Health.SILENT, "garbage": Health.FINE}
-    bench, body = at(make_rig({"events": [{"at": 0.5, "what": what, "for": 0.4}]}))
-    drive(body, ASKED, lambda sight: sight.time > 1.2 and sight.state.mode == Mode.ARMED and np.allclose(sight.position[:, 1], ASKED, atol=1e-5))
+    _, body = at(make_rig({"events": [{"at": 0.5, "what": what, "for": 0.4}]}))
+    there = lambda sight: sight.state.mode == Mode.ARMED and np.allclose(sight.position[:, 1], ASKED, atol=1e-5)
+    drive(body, ASKED, lambda sight: sight.time > 1.2 and there(sight))
     assert named[what] in at.heard
     if what == "garbage":
         assert body.damaged > 5
 
 
 def test_too_much_pressure_stops_the_body(at):
-    bench, body = at(make_rig({"events": [{"at": 0.3, "what": "pressure", "for": 0.05}]}))
+    _, body = at(make_rig({"events": [{"at": 0.3, "what": "pressure", "for": 0.05}]}))
     drive(body, ASKED, lambda sight: sight.state.mode == Mode.STOPPED)
     assert Health.STOPPED in at.heard and "pressure" in body.why
 

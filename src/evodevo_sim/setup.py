@@ -40,6 +40,7 @@ setup(
             "simulate = evodevo_sim.commands.entry:simulate",
             "gait = evodevo_sim.commands.entry:gait",
             "replay = evodevo_sim.commands.entry:replay",
+            "conform = evodevo_sim.commands.entry:conform",
             "driver = evodevo_sim.commands.entry:driver",
             "emulate = evodevo_sim.commands.entry:emulate",
             "chase = evodevo_sim.commands.entry:chase",

@@ -19,6 +19,13 @@ def chase() -> Main:
     return main
 
 
+@command
+def conform() -> Main:
+    from .conform import main
+
+    return main
+
+
 @command(code_of=lambda number: 0)  # a signal is how a node is told to end
 def driver() -> Main:
     from .driver import main

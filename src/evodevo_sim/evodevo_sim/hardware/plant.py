@@ -26,7 +26,9 @@ class HardwarePlant:
         self._position, self._velocity = np.array(body.calibration.position), np.zeros((cells, 2))
         self.position, self.velocity = read_only(self._position), read_only(self._velocity)
         self.sight: Sight | None = None
+        self._born = 0.0  # s of the firmware's clock
         self._take(body.look())
+        self._born = self.sight.time if self.sight else 0.0
 
     def _take(self, sight: Sight | None) -> bool:
         if sight is None:
@@ -34,6 +36,11 @@ class HardwarePlant:
         self.sight, self._number = sight, sight.number
         self._position[...], self._velocity[...] = sight.position, sight.velocity
         return True
+
+    @property
+    def time(self) -> float:
+        """s of the firmware's clock, since this life began, at which the cells were where `position` has them."""
+        return self.sight.time - self._born if self.sight else 0.0
 
     def move(self, activation: np.ndarray, seconds: float) -> Outcome:
         self._body.command(activation, self._number)
@@ -43,10 +50,11 @@ class HardwarePlant:
         """Muscles at rest until the body hardly moves, where it is: nobody carries it back to where it started."""
         if self.sight is None and not self._take(self._body.look()):
             return
-        start = self.sight.time if self.sight else 0.0
+        start = self._born = self.sight.time if self.sight else 0.0
         while self._take(self._body.look(self._number)) and self.sight is not None:
             self._body.command(np.zeros(len(self.position)))
             elapsed = self.sight.time - start
+            self._born = self.sight.time
             if elapsed > _SETTLE_WITHIN or (elapsed > 0.5 and float(np.nanmean(np.hypot(*self.velocity.T))) < _SETTLED):
                 return
 

@@ -7,6 +7,7 @@ import os
 import select
 import threading
 import time
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
@@ -20,6 +21,8 @@ from .serial_line import LineError, SerialLine
 
 _TRY_EVERY = 0.2  # s between attempts to open a line that was lost
 _LOOK = 0.01  # s, at the clock
+_PERSON = 0.5  # s for which a person's arming is meant, since the stop that it undoes may be on its way
+_LATENCIES = 100_000
 
 
 class Health(Enum):
@@ -77,12 +80,13 @@ class SerialBody:
         self.port, self._baud, self._report = port, baud, report
         self.limiter = Limiter(c.least, c.most, c.rate, c.vent)
         self.counts, self.health, self.why = Counts(), Health.VENTED, ""
-        self.latency: list[float] = []  # s from a state's arrival to the command that answers it, newest last, at the most 100,000
+        self.latency: deque[float] = deque(maxlen=_LATENCIES)  # s from a state's arrival to the command that answers it, newest last
         self._news = threading.Condition()
         self._sight: Sight | None = None
         self._wanted: np.ndarray | None = None  # levels by cell, before limits
         self._wanted_at, self._answers = -np.inf, -1
-        self._hold = self._person = self._stop = self._closed = False
+        self._hold = self._stop = self._closed = False
+        self._person_at = -np.inf  # s of the steady clock at which a person armed it
         self._sequence, self._sent_at = 0, time.monotonic()
         self._wake, self._waker = os.pipe()
         self._line: SerialLine | None = self._open()
@@ -112,13 +116,13 @@ class SerialBody:
     def stop(self) -> None:
         """Emergency stop: vented, until a person arms it."""
         with self._news:
-            self._stop, self._wanted, self._hold = True, None, False
+            self._stop, self._wanted, self._hold, self._person_at = True, None, False, -np.inf
         os.write(self._waker, b"s")
 
     def rearm(self) -> None:
         """A person says that it may move again after a stop."""
         with self._news:
-            self._person, self._stop = True, False
+            self._person_at, self._stop = time.monotonic(), False
         os.write(self._waker, b"a")
 
     def look(self, after_number: int = -1, within: float | None = None) -> Sight | None:
@@ -248,7 +252,7 @@ class SerialBody:
                 self._say_later = (Health.STALE, f"no command for {age * 1e3:.0f} ms, more than {c.command_within * 1e3:.0f}: vented")
             else:
                 self._say_later = None
-            stop, person, self._person = self._stop, self._person, False
+            stop, person = self._stop, now - self._person_at < _PERSON
         silent = now - self._state_at > c.state_within
         if stop and self._mode != Mode.STOPPED:
             line.send(Stop())
@@ -275,7 +279,7 @@ class SerialBody:
                 with self._news:
                     if self._answers == answers:
                         self._answers = -1
-                if self._sight is not None and self._sight.number == answers and len(self.latency) < 100_000:
+                if self._sight is not None and self._sight.number == answers:
                     self.latency.append(self._sent_at - self._sight.arrived)
         self._tell(silent, None)
 

@@ -14,7 +14,7 @@ from .protocol import VERSION, FrameError, Hello, Message, Parser, Welcome, enco
 
 HANDSHAKE_WITHIN = 2.0  # s; a controller that begins anew when its port is opened takes one of them
 _ASK_EVERY = 0.1  # s
-_WRITE_WITHIN = 0.02  # s: a line that is full for so long is broken
+_WRITE_WITHIN = 0.1  # s: a line that is full for so long is broken
 _READ = 65536  # bytes at once
 
 

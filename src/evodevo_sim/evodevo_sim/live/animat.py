@@ -37,7 +37,7 @@ class Animat:
     Attributes:
         brain: see `brain.controller.Controller`; plant: see `plant.Plant`; body: see `body.Body`.
         position (N, 2) m, velocity (N, 2) m/s, activation (N,) of e - c: read-only views of the present state.
-        steps: control steps lived; time: s of them.
+        steps: control steps lived; time: see there.
         status: OK; RESTING, when nothing will ever change again; UNSTABLE or INVERTED, after which it stays as it is.
         target: (x, y) m, whose scent the cells sense from the next step on if the task has targets; or None.
     """
@@ -66,7 +66,8 @@ class Animat:
 
     @property
     def time(self) -> float:
-        return self.steps * self.task.control_step
+        """s since birth: of the control steps lived, or where the plant has a clock of its own, at which the cells were seen."""
+        return getattr(self.plant, "time", self.steps * self.task.control_step)
 
     @property
     def cause(self) -> str:

@@ -211,7 +211,7 @@ class Driver(LifecycleNode):
             status.level, status.message = DiagnosticStatus.STALE, "not configured"
         else:
             status.level, status.message = _LEVEL[body.health], brief(f"{body.health.value}: {body.why}")
-            limits, latency = body.limiter.report, body.latency[-1000:]
+            limits, latency = body.limiter.report, list(body.latency)[-1000:]
             values = {
                 "health": body.health.name, "states lost": body.counts.lost, "frames damaged": body.damaged,
                 "line reopened": body.counts.reopened, "firmware restarted": body.counts.restarted, "vented": body.counts.vented,
