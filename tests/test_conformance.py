@@ -9,6 +9,8 @@ import threading
 import numpy as np
 import pytest
 import rclpy
+from evodevo_sim.live.animat import Animat
+from evodevo_sim.nodes import living
 from evodevo_sim.nodes.conformance import checks
 from evodevo_sim.nodes.conformance.session import CHECKS, Session, examine
 from evodevo_sim.nodes.simulator import Simulator
@@ -58,15 +60,6 @@ def on_actuation(change):
 
 def on_body(change):
     return lambda node: setattr(node._living, "_body", Through(node._living._body, change))
-
-
-def on_service(name, change):
-    """A fault of a service: change(answer, request) -> answer."""
-    def broken(node):
-        service = next(one for one in node.services if one.srv_name.endswith("/" + name))
-        right = service.callback
-        service.callback = lambda request, response: change(lambda: right(request, response), request)
-    return broken
 
 
 def swapped():
@@ -127,38 +120,48 @@ def beyond(message):
 
 
 def volatile(node):
-    living = node._living
-    node.destroy_publisher(living._body)
-    living._body = node.create_publisher(checks.BODY.type, "body", EVENTS.profile())
+    its = node._living
+    node.destroy_publisher(its._body)
+    its._body = node.create_publisher(checks.BODY.type, "body", EVENTS.profile())
 
 
 def best_effort(node):
-    living = node._living
-    node.destroy_publisher(living._actuation)
-    living._actuation = node.create_publisher(checks.ACTUATION.type, "actuation", STREAM.profile())
+    its = node._living
+    node.destroy_publisher(its._actuation)
+    its._actuation = node.create_publisher(checks.ACTUATION.type, "actuation", STREAM.profile())
 
 
 def no_evaluate(node):
-    node.destroy_service(next(one for one in node.services if one.srv_name.endswith("/evaluate")))
+    node.destroy_service(next(one for one in node.services if one.srv_name.endswith("evaluate")))
 
 
-def taken(answer, request):
-    made = answer()
-    made.success, made.message = True, "loaded"
-    return made
+def credulous(node):
+    """Takes whatever it is given for a genome."""
+    node._living._make = lambda *_: Animat(pulsing(), default_task("swim"))
+    node.patch.setattr(living, "genome_from_message", lambda message: None)
 
 
-def ended(answer, request):
-    made = answer()
-    if not made.success:
-        ended.node._living.stage._animat = None
-    return made
+def patient(node):
+    """Takes every pace."""
+    right = node._living.stage.load
+    node.patch.setattr(living, "check_pace", lambda pace: None)
+    node._living.stage.load = lambda animat, pace: right(animat, 1.0)
 
 
-def unheard(answer, request):
-    made = type(answer())()
-    made.success = True
-    return made
+def hasten(node):
+    right = node._living.stage.load
+    node._living.stage.load = lambda animat, pace: right(animat, 2.0 * pace)
+
+
+def let_go(node):
+    stage = node._living.stage
+    stage.reset = lambda: stage.pause(False)
+
+
+def blind(node):
+    """A target that is no number reaches the muscles."""
+    its = node._living
+    its._states = Through(its._states, each(lambda message: setattr(message, "activation", [math.nan] * len(message.activation))))
 
 
 # fault: (what is broken, the check that must name it)
@@ -178,32 +181,24 @@ FAULTS = {
     "activation beyond 1": (on_states(each(strong)), "activation"),
     "commands a step late": (on_actuation(late()), "actuation"),
     "missing commands": (on_actuation(lambda message: [message] if message.step % 3 else []), "actuation"),
+    "a genome that is none": (credulous, "a malformed genome"),
+    "a pace that is none": (patient, "an odd pace"),
     "a pause that is none": (lambda node: setattr(node._living.stage, "pause", lambda paused: True), "pause"),
     "a reset that is none": (lambda node: setattr(node._living.stage, "reset", lambda: True), "reset"),
-    "a reset that lets go": (lambda node: setattr(node._living.stage, "reset", lambda: node._living.stage.pause(False)), "reset while paused"),
-    "twice the pace": (lambda node: hasten(node), "pace"),
-    "no end of targets": (lambda node: setattr(node._living, "_aim", None) or blind(node), "odd targets"),
+    "a reset that lets go": (let_go, "reset while paused"),
+    "twice the pace": (hasten, "pace"),
+    "a target that is no number": (blind, "odd targets"),
 }
 
 
-def hasten(node):
-    right = node._living.stage.load
-    node._living.stage.load = lambda animat, pace: right(animat, 2.0 * pace)
-
-
-def blind(node):
-    """A target that is no number reaches the muscles."""
-    living = node._living
-    living._states = Through(living._states, each(lambda message: setattr(message, "activation", [math.nan] * len(message.activation))))
-
-
 @pytest.fixture
-def node():
+def node(monkeypatch):
     """A simulator in this process, spinning, in a namespace of its own."""
     stop = threading.Event()
     with loopback_alone():
         rclpy.init(args=["--ros-args", "-r", "__ns:=/broken"])
     made = Simulator(stop)
+    made.patch = monkeypatch
     executor = EventsExecutor()
     executor.add_node(made)
 
@@ -258,6 +253,6 @@ def test_a_simulator_passes_every_check(tmp_path):
 
 
 def test_nobody_there_is_one_line_and_exit_code_2():
-    command = [sys.executable, "-m", "evodevo_sim.commands.conform", "/nobody"]
+    command = [sys.executable, "-m", "evodevo_sim.commands.conform", "/nobody", "--patience", "3"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=DEADLINE)
     assert done.returncode == 2 and len(done.stderr.splitlines()) == 1 and "nobody offers /nobody/load" in done.stderr

@@ -12,6 +12,8 @@ from evodevo_sim.parameters import default_task, with_settings
 from evodevo_sim.ros.messages import genome_message, task_message
 from evodevo_sim.ros.topics import ACTUATION, BODY, CELL_STATES, CHANNELS, COMMAND_STREAM
 from lab import DEADLINE, Operator
+from rclpy.qos import qos_profile_sensor_data
+from sensor_msgs.msg import JointState
 from std_srvs.srv import SetBool, Trigger
 
 from evodevo_msgs.msg import Actuation
@@ -57,8 +59,8 @@ def rig(directory, rig=""):
 
 
 @contextmanager
-def driver(link, calibration):
-    arguments = ("--port", link, "--calibration", calibration, "--ros-args", "-r", "__ns:=/eel")
+def driver(link, calibration, *parameters):
+    arguments = ("--port", link, "--calibration", calibration, "--ros-args", "-r", "__ns:=/eel", *parameters)
     with running(link.parent, "driver", *arguments, ready="ready") as said:
         yield said
 
@@ -144,6 +146,29 @@ def test_commands_of_your_own_brain_are_limited_and_time_out(tmp_path):
         publisher.publish(Actuation(activation=[float("nan")] * cells))
         operator.until(streaming)
         operator.until(lambda: "a command for 1 cells ignored" in said())
+
+
+def test_ros2_control_drives_it_by_joint_states(tmp_path):
+    """As joint_state_topic_hardware_interface does: commands name joints in any order, positions alone, and NaN before it has a command;
+    states are looked up by name."""
+    with rig(tmp_path) as (link, calibration), driver(link, calibration, "-p", "joints:=true"), Operator() as operator:
+        states = operator.listen(JointState, "/eel/joint_states", qos_profile_sensor_data)
+        publisher = operator.node.create_publisher(JointState, "/eel/joint_commands", 1)
+        operator.until(publisher.get_subscription_count)
+        cells = len(load_cells(calibration))
+        asked = {f"cell_{i}": 0.5 - i / cells for i in reversed(range(cells))}
+
+        def there():
+            publisher.publish(JointState(name=list(asked), position=list(asked.values())))
+            found = dict(zip(states[-1].name, states[-1].position)) if states else {}
+            return found.keys() == asked.keys() and all(abs(found[name] - asked[name]) < 1e-3 for name in asked)
+
+        operator.until(there)
+        assert len(states[-1].effort) == cells and not states[-1].velocity
+        publisher.publish(JointState(name=["cell_0"], position=[float("nan")]))
+        publisher.publish(JointState(name=["elbow"], position=[0.0]))
+        publisher.publish(JointState(name=["cell_0"], position=[]))
+        operator.until(there)
 
 
 def load_cells(calibration):

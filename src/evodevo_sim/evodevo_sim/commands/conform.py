@@ -61,7 +61,7 @@ def main(arguments: list[str]) -> int:
         with started("conform", arguments):
             session = Session(given.namespace, genome, task_message(default_task("swim")), given.patience)
             try:
-                if not session.until(lambda: session.has("load"), 10.0):
+                if not session.until(lambda: session.has("load"), min(10.0, given.patience)):
                     raise ParameterError(f"nobody offers {session.at('load')}: start the node, or give another namespace")
                 findings = examine(session, given.only, _say)
             finally:

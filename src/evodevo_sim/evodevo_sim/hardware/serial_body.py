@@ -67,7 +67,8 @@ class Counts:
 class SerialBody:
     """A body behind a port.
 
-    Args: port; calibration; baud; report: called, in the thread of the line, with each change of health and a line that says why.
+    Args: port; calibration; baud; report: called, in the thread of the line, with each change of health and a line that says why; seen: likewise with
+    each sight.
     Raises LineError where nobody answers at first, or another body than that of the calibration.
 
     The body is armed only while commands come, at least every `calibration.command_within` s.
@@ -75,9 +76,10 @@ class SerialBody:
 
     def __init__(
         self, port: str, calibration: Calibration, baud: int = 921600, report: Callable[[Health, str], None] = lambda health, why: None,
+        seen: Callable[[Sight], None] = lambda sight: None,
     ):
         c = self.calibration = calibration
-        self.port, self._baud, self._report = port, baud, report
+        self.port, self._baud, self._report, self._seen = port, baud, report, seen
         self.limiter = Limiter(c.least, c.most, c.rate, c.vent)
         self.counts, self.health, self.why = Counts(), Health.VENTED, ""
         self.latency: deque[float] = deque(maxlen=_LATENCIES)  # s from a state's arrival to the command that answers it, newest last
@@ -235,8 +237,9 @@ class SerialBody:
             velocity = (position - before.position) / elapsed
         with self._news:
             number = before.number + 1 if before else 0
-            self._sight = Sight(state, position, velocity, self._clock, now, number)
+            sight = self._sight = Sight(state, position, velocity, self._clock, now, number)
             self._news.notify_all()
+        self._seen(sight)
         self._mode, self._state_at = state.mode, now
         if state.mode != Mode.ARMED and self.health == Health.FINE:
             self.counts.vented += 1

@@ -25,6 +25,7 @@ from ..ros.messages import evaluation_message, genome_from_message, task_of_requ
 from ..ros.node_parameters import fixed, seconds
 from ..ros.topics import CHANNELS, COMMAND_STREAM
 from ..tasks.evaluation import invalid
+from .joints import Joints
 from .living import ENDING, Living
 
 _DIAGNOSE_EVERY = 1.0  # s
@@ -48,6 +49,11 @@ class Driver(LifecycleNode):
         frame = self.declare_parameter("frame_id", "world", fixed("frame of positions and targets")).value
         every = self.declare_parameter("publish_every", 1, fixed("control steps between cell states", 1, 100_000)).value
         oldest = seconds(self, "target_age", 1.0, "s, of the oldest target that counts")
+        joints = self.declare_parameter("joints", False, fixed("whether commands and states go as JointState too")).value
+        commands, states = (
+            self.declare_parameter(f"joint_{what}_topic", f"joint_{what}", fixed(f"of JointState {what}, with joints")).value
+            for what in ("commands", "states")
+        )
         if not frame:
             raise ParameterError("frame_id is empty: give the name of a frame, e.g. world")
         self._frame, self._every, self._oldest = frame, every, oldest
@@ -62,6 +68,7 @@ class Driver(LifecycleNode):
         self._barrier.service(Trigger, "stop", self._emergency)
         self._barrier.service(Trigger, "arm", self._arm)
         self._barrier.subscription(COMMAND_STREAM.type, COMMAND_STREAM.name, self._stream, COMMAND_STREAM.quality)
+        self._joints = Joints(self, self._barrier, calibration, commands, states, self._move) if joints else None
         self.create_timer(_DIAGNOSE_EVERY, self._diagnose)
         self.create_timer(calibration.command_within / 4, self._keep)
         self._trying = False
@@ -79,7 +86,8 @@ class Driver(LifecycleNode):
     def open(self) -> None:
         """Open the line and tell its channels.  Raises LineError; nothing has moved then."""
         if self.hardware is None:
-            self.hardware = SerialBody(self._port, self._calibration, self._baud, self._report)
+            seen = self._joints.show if self._joints else lambda sight: None
+            self.hardware = SerialBody(self._port, self._calibration, self._baud, self._report, seen)
         c = self._calibration
         message = Channels(name=c.name, channel=c.channel.tolist(), marker=c.marker.tolist())
         for name in ("vent", "rest", "span", "least", "most", "rate"):
@@ -165,10 +173,7 @@ class Driver(LifecycleNode):
             return invalid(brief(error))
 
     def _stream(self, message) -> None:
-        """A command of somebody else's brain, where none of ours lives."""
-        if self._living.stage.lives or self._trying:
-            self._barrier.warn("stream", "a command ignored: an animat lives on the body, pause or end that one first")
-            return
+        """A command of somebody else's brain."""
         if len(message.activation) != self._calibration.cells:
             given = len(message.activation)
             self._barrier.warn("length", f"a command for {given} cells ignored: the body has {self._calibration.cells}")
@@ -176,6 +181,13 @@ class Driver(LifecycleNode):
         asked = np.array(message.activation)
         if not np.isfinite(asked).all():
             self._barrier.warn("finite", "a command with a number that is not finite ignored: give -1 to 1")
+            return
+        self._move(asked)
+
+    def _move(self, asked: np.ndarray) -> None:
+        """Go to an activation (N,) that somebody else's brain asks for, where none of ours lives."""
+        if self._living.stage.lives or self._trying:
+            self._barrier.warn("stream", "a command ignored: an animat lives on the body: stop ends it, and arm lets commands through")
             return
         self._ready().command(np.clip(asked, -1.0, 1.0))
 
