@@ -23,6 +23,7 @@ from evodevo_sim.hardware.protocol import (
     State,
     Stop,
     Welcome,
+    alike,
     decode,
     encode,
     lost_between,
@@ -58,13 +59,6 @@ messages = st.one_of(
         st.lists(st.tuples(floats, floats), max_size=255),
     ),
 )
-
-
-def alike(one, other):
-    """Equal, NaN counting as NaN."""
-    if isinstance(one, Command) and isinstance(other, Command):
-        return one.sequence == other.sequence and np.array_equal(one.levels, other.levels, equal_nan=True)
-    return one == other
 
 
 @given(st.lists(messages, max_size=5), st.lists(st.integers(1, 300), max_size=40), st.binary(max_size=50))

@@ -32,6 +32,7 @@ KEYS = {
     "numba": "python3-numba", "llvmlite": "python3-numba", "numpy": "python3-numpy", "psutil": "python3-psutil", "rich": "python3-rich",
     "scipy": "python3-scipy", "tqdm": "python3-tqdm", "yaml": "python3-yaml", "zstandard": "python3-zstandard",
     "rosbags": "python3-rosbags-pip", "rerun": None, "rerun_cli": None, "rerun_bindings": None, "pyarrow": None,
+    "serial": "python3-serial", "cobs": None,
 }
 
 
@@ -238,6 +239,7 @@ EXAMPLES = {
     "body_by_hand.py": ([], r"sound: after 5\.0 s it is \(\+0\.33, \+0\.17\) m"),
     "name_its_gait.py": ([], r"undulation: .*\n\d\.\d\d Hz"),
     "plant_of_your_own.py": ([], r"32 cells, moved by up to 0\.\d\d m"),
+    "driver_of_your_own.py": (["1"], r"ready\n"),
     "listen_to_cells.py": (["/example", "3"], r"(step \d+: 32 cells, the first at .* m\n){3}"),
 }
 

@@ -12,9 +12,9 @@ import rclpy
 import yaml
 from evodevo_sim.commands.request import main as request_main
 from evodevo_sim.live.animat import Animat
-from evodevo_sim.nodes.simulator import _seconds
 from evodevo_sim.parameters import default_task, with_settings
 from evodevo_sim.ros.messages import evaluation_from_message, genome_message, task_message
+from evodevo_sim.ros.node_parameters import seconds
 from evodevo_sim.ros.process import stay_on_this_host
 from evodevo_sim.ros.topics import BODY
 from genomes import beating, dividing, first_viable, hand_made
@@ -340,8 +340,8 @@ def test_a_time_that_cannot_be_is_refused_by_name(value, says):
     with Operator() as operator:
         node = rclpy.create_node("timed", context=operator.context, parameter_overrides=[rclpy.Parameter("target_age", value=value)])
         with pytest.raises(ParameterError, match=f"target_age {says}"):
-            _seconds(node, "target_age", 1.0, "s")
+            seconds(node, "target_age", 1.0, "s")
         whole = rclpy.create_node("whole", context=operator.context, parameter_overrides=[rclpy.Parameter("target_age", value=2)])
-        assert _seconds(whole, "target_age", 1.0, "s") == 2.0
+        assert seconds(whole, "target_age", 1.0, "s") == 2.0
         node.destroy_node()
         whole.destroy_node()

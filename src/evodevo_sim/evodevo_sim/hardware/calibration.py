@@ -28,7 +28,7 @@ from .protocol import MOST_CHANNELS
 _KEYS = ("name", "position", "channel", "marker", "levels", "pressure", "frame", "patience")
 _BIG = 1e9
 # section: {key: (least, most, default)}
-_SECTIONS = {
+_SECTIONS: dict[str, dict[str, tuple[float, float, float | None]]] = {
     "levels": {
         "vent": (-_BIG, _BIG, 0.0), "rest": (-_BIG, _BIG, None), "span": (-_BIG, _BIG, None), "least": (-_BIG, _BIG, None),
         "most": (-_BIG, _BIG, None), "rate": (1e-9, _BIG, None),

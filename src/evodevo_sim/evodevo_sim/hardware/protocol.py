@@ -10,7 +10,7 @@ from __future__ import annotations
 import struct
 import zlib
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from enum import IntEnum, IntFlag
 
 import numpy as np
@@ -85,11 +85,6 @@ class Command:
     sequence: int
     levels: np.ndarray = field(repr=False)  # (channels,) float32
 
-    __hash__ = None  # type: ignore[assignment]
-
-    def __eq__(self, other):
-        return isinstance(other, Command) and self.sequence == other.sequence and np.array_equal(self.levels, other.levels)
-
 
 @dataclass(frozen=True, eq=False)
 class State:
@@ -108,14 +103,13 @@ class State:
     pressure: np.ndarray = field(repr=False)
     marker: np.ndarray = field(repr=False)
 
-    __hash__ = None  # type: ignore[assignment]
 
-    def __eq__(self, other):
-        if not isinstance(other, State):
-            return False
-        own, others = ((one.sequence, one.time, one.executed, one.mode, one.fault) for one in (self, other))
-        same = np.array_equal(self.pressure, other.pressure, equal_nan=True)
-        return own == others and same and np.array_equal(self.marker, other.marker, equal_nan=True)
+def alike(one: Message, other: Message) -> bool:
+    """Whether two messages say the same, NaN counting as equal to NaN."""
+    if type(one) is not type(other):
+        return False
+    pairs = ((getattr(one, item.name), getattr(other, item.name)) for item in fields(one))
+    return all(np.array_equal(a, b, equal_nan=True) if isinstance(a, np.ndarray) else a == b for a, b in pairs)
 
 
 Message = Hello | Welcome | Arm | Stop | Command | State
@@ -186,8 +180,8 @@ def _message(kind: int, rest: bytes) -> Message:
         sequence, channels = struct.unpack_from("<HB", rest)
         return Command(sequence, _floats(rest[3:], channels))
     if kind == _WELCOME:
-        fields = _WELCOME_FIELDS.unpack_from(rest)
-        return Welcome(*fields, rest[_WELCOME_FIELDS.size :][:MOST_NAME].decode(errors="replace"))
+        version, channels, markers, boot, watchdog = _WELCOME_FIELDS.unpack_from(rest)
+        return Welcome(version, channels, markers, boot, watchdog, rest[_WELCOME_FIELDS.size :][:MOST_NAME].decode(errors="replace"))
     if kind == _STATE:
         sequence, time, executed, mode, fault, channels, markers = _STATE_FIELDS.unpack_from(rest)
         if mode not in Mode.__members__.values():

@@ -84,7 +84,7 @@ class Rig:
         return self.actuators == Actuators() and self.sensors == Sensors() and not self.events
 
 
-_PARTS: dict[str, type[Checked]] = {"actuators": Actuators, "sensors": Sensors, "line": Line}
+_PARTS: dict[str, Any] = {"actuators": Actuators, "sensors": Sensors, "line": Line}
 _KEYS = (*_PARTS, "events", "seed")
 
 
@@ -109,7 +109,7 @@ def make_rig(document: Any, cells: int | None = None) -> Rig:
     if not isinstance(events, list) or len(events) > MOST_EVENTS:
         raise RigError(f"events is {shown(events)}: give a list of at most {MOST_EVENTS}, each with at, what, for, cells")
     made = tuple(sorted((_event(one, f"events[{k}]", cells) for k, one in enumerate(events)), key=lambda one: one.at))
-    return Rig(*parts.values(), made, seed)  # type: ignore[arg-type]
+    return Rig(events=made, seed=seed, **parts)
 
 
 def _check_keys(document: Any, known: tuple[str, ...], where: str) -> None:
@@ -120,9 +120,9 @@ def _check_keys(document: Any, known: tuple[str, ...], where: str) -> None:
             raise RigError(f"unknown key {shown(f'{where}.{key}' if where else str(key))}: did you mean {nearest(key, known)!r}?")
 
 
-def _part(kind: type[Checked], given: Any, name: str, cells: int | None) -> Checked:
+def _part(kind: Any, given: Any, name: str, cells: int | None) -> Any:
     given = {} if given is None else given
-    names = tuple(field.name for field in dataclasses.fields(kind))  # type: ignore[arg-type]
+    names = tuple(field.name for field in dataclasses.fields(kind))
     _check_keys(given, names, name)
     values = dict(given)
     if "dead" in values:

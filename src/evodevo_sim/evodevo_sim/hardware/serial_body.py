@@ -67,15 +67,16 @@ class Counts:
 class SerialBody:
     """A body behind a port.
 
-    Args: port; calibration; baud; report: called, in the thread of the line, with each change of health and a line that says why; seen: likewise with
-    each sight.
+    Args: port; calibration; baud; report: called, in the thread of the line, with each change of health and a line that
+    says why; seen: likewise with each sight.
     Raises LineError where nobody answers at first, or another body than that of the calibration.
 
     The body is armed only while commands come, at least every `calibration.command_within` s.
     """
 
     def __init__(
-        self, port: str, calibration: Calibration, baud: int = 921600, report: Callable[[Health, str], None] = lambda health, why: None,
+        self, port: str, calibration: Calibration, baud: int = 921600,
+        report: Callable[[Health, str], None] = lambda health, why: None,
         seen: Callable[[Sight], None] = lambda sight: None,
     ):
         c = self.calibration = calibration
@@ -249,12 +250,10 @@ class SerialBody:
     def _act(self, line: SerialLine, now: float) -> None:
         c = self.calibration
         with self._news:
-            wanted, age, answers = self._wanted, now - self._wanted_at, self._answers
+            wanted, age, answers, stale = self._wanted, now - self._wanted_at, self._answers, None
             if wanted is not None and age > c.command_within and not self._hold:
                 wanted = self._wanted = None
-                self._say_later = (Health.STALE, f"no command for {age * 1e3:.0f} ms, more than {c.command_within * 1e3:.0f}: vented")
-            else:
-                self._say_later = None
+                stale = (Health.STALE, f"no command for {age * 1e3:.0f} ms, more than {c.command_within * 1e3:.0f}: vented")
             stop, person = self._stop, now - self._person_at < _PERSON
         silent = now - self._state_at > c.state_within
         if stop and self._mode != Mode.STOPPED:
@@ -267,7 +266,7 @@ class SerialBody:
                 line.send(Arm(False))
                 self._sent_at = now
             self.limiter.reset()
-            self._tell(silent, self._say_later)
+            self._tell(silent, stale)
             return
         if self._mode == Mode.VENTED:
             if now - self._armed_at > 3 * _LOOK:

@@ -1,7 +1,7 @@
 """The same commands and states as `sensor_msgs/JointState`, as ros2_control's `joint_state_topic_hardware_interface` takes them.
 
-A cell is a joint, `cell_0`, `cell_1`, ...: its position is e - c, from -1 to 1, and its effort the pressure that was measured, in the unit of
-the calibration.
+A cell is a joint, `cell_0`, `cell_1`, ...: its position is e - c, from -1 to 1, and its effort the pressure that was measured, in the
+unit of the calibration.
 """
 
 from __future__ import annotations
@@ -10,13 +10,11 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from rclpy.qos import QoSProfile, qos_profile_sensor_data
 from sensor_msgs.msg import JointState
 
 from ..hardware.calibration import Calibration
 from ..hardware.serial_body import Sight
-
-_DEPTH = 1  # of commands: only the newest one counts
+from ..ros.topics import COMMAND, STREAM
 
 
 class Joints:
@@ -33,8 +31,8 @@ class Joints:
         self._names = [f"cell_{i}" for i in range(calibration.cells)]
         self._place = {name: i for i, name in enumerate(self._names)}
         self._asked = np.zeros(calibration.cells)
-        self._states = node.create_publisher(JointState, states, qos_profile_sensor_data)
-        callbacks.subscription(JointState, commands, self._command, QoSProfile(depth=_DEPTH))
+        self._states = node.create_publisher(JointState, states, STREAM.profile())
+        callbacks.subscription(JointState, commands, self._command, COMMAND.profile())
 
     def _command(self, message: JointState) -> None:
         """Joints that a command does not name keep what they were told last."""

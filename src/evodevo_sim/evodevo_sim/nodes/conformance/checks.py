@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped
-from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 from std_srvs.srv import SetBool, Trigger
 
 from evodevo_msgs.msg import Actuation, Genome
@@ -78,14 +77,14 @@ def _topics(s: Session) -> None:
 def _quality_of_body(s: Session) -> None:
     for info in s.publishers(BODY.name):
         quality = info.qos_profile
-        must(quality.reliability == ReliabilityPolicy.RELIABLE, "body is published best effort")
-        must(quality.durability == DurabilityPolicy.TRANSIENT_LOCAL, "body is published volatile: who comes late never has it")
+        must(quality.reliability == BODY.quality.reliability, "body is published best effort")
+        must(quality.durability == BODY.quality.durability, "body is published volatile: who comes late never has it")
 
 
 @check("quality of actuation", "actuation is reliable, so that a driver has the newest command even where a packet was lost")
 def _quality_of_actuation(s: Session) -> None:
     for info in s.publishers(ACTUATION.name):
-        must(info.qos_profile.reliability == ReliabilityPolicy.RELIABLE, "actuation is published best effort")
+        must(info.qos_profile.reliability == ACTUATION.quality.reliability, "actuation is published best effort")
 
 
 # --- refusals, which change nothing -----------------------------------------------------------------------------------------
@@ -126,7 +125,7 @@ def _load(s: Session) -> None:
 @check("body", "body comes to who subscribes late, and its springs, chambers and outline name its cells")
 def _body(s: Session) -> None:
     living(s)
-    heard = s.listen(BODY, reliable=True, latched=True, depth=1)
+    heard = s.listen(BODY, reliable=True, kept=True, depth=1)
     must(s.until(lambda: len(heard)), "no body came to a late subscriber")
     b = heard.messages[-1]
     must(b.cells > 0, "body.cells is 0")
@@ -140,7 +139,7 @@ def _body(s: Session) -> None:
 @check("arrays", "every array of a state has one entry for each cell of the body")
 def _arrays(s: Session) -> None:
     heard = states(s, 5)
-    bodies = s.listen(BODY, reliable=True, latched=True, depth=1)
+    bodies = s.listen(BODY, reliable=True, kept=True, depth=1)
     must(s.until(lambda: len(bodies)), "no body came")
     for name in ("position_x", "position_y", "velocity_x", "velocity_y", "activation"):
         have = {len(getattr(message, name)) for message in heard.messages}
@@ -176,7 +175,7 @@ def _pace(s: Session) -> None:
 
 @check("frame", "body, states and actuation name one frame")
 def _frame(s: Session) -> None:
-    heard, bodies, commands = states(s, 3), s.listen(BODY, reliable=True, latched=True, depth=1), s.listen(ACTUATION, reliable=True)
+    heard, bodies, commands = states(s, 3), s.listen(BODY, reliable=True, kept=True, depth=1), s.listen(ACTUATION, reliable=True)
     must(s.until(lambda: len(bodies) and len(commands)), "no body or no actuation came")
     frames = {message.header.frame_id for one in (heard, bodies, commands) for message in one.messages}
     must(len(frames) == 1 and frames != {""}, f"the frames are {sorted(frames)}")
@@ -362,7 +361,7 @@ def hardware(s: Session) -> None:
 @check("channels", "channels comes late too, and wires each cell to a channel and a marker of its own, within limits")
 def _channels(s: Session) -> None:
     hardware(s)
-    heard = s.listen(CHANNELS, reliable=True, latched=True, depth=1)
+    heard = s.listen(CHANNELS, reliable=True, kept=True, depth=1)
     must(s.until(lambda: len(heard), 10.0), "no channels came to a late subscriber")
     c = heard.messages[-1]
     cells = len(c.channel)
@@ -423,7 +422,7 @@ def alone(s: Session) -> Any:
 
 
 def cells_of(s: Session) -> int:
-    heard = s.listen(CHANNELS, reliable=True, latched=True, depth=1)
+    heard = s.listen(CHANNELS, reliable=True, kept=True, depth=1)
     must(s.until(lambda: len(heard), 10.0), "no channels came")
     return len(heard.messages[-1].channel)
 

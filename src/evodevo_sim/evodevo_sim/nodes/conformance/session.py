@@ -12,9 +12,9 @@ from typing import Any
 import rclpy
 from rclpy.executors import ExternalShutdownException
 from rclpy.experimental import EventsExecutor
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from ...ros.barrier import brief
+from ...ros.topics import Quality
 
 ANSWER_WITHIN = 30.0  # s
 
@@ -138,14 +138,11 @@ class Session:
         must(self.until(future.done), f"{self.at(name)} did not answer within {self.patience:g} s")
         return future.result()
 
-    def listen(self, topic: Any, reliable: bool = False, latched: bool = False, depth: int = 1000) -> Heard:
+    def listen(self, topic: Any, reliable: bool = False, kept: bool = False, depth: int = 1000) -> Heard:
         """What comes on a topic of the table from now on."""
         heard = Heard()
-        quality = QoSProfile(
-            depth=depth, reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
-            durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
-        )
-        self.node.create_subscription(topic.type, self.at(topic.name), heard.add, quality)
+        quality = Quality("of a check", reliable, kept, depth)
+        self.node.create_subscription(topic.type, self.at(topic.name), heard.add, quality.profile())
         return heard
 
     def publishers(self, name: str) -> list[Any]:
