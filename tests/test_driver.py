@@ -3,7 +3,7 @@
 import subprocess
 import sys
 import time
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 
 import numpy as np
 import pytest
@@ -65,110 +65,137 @@ def driver(link, calibration, *parameters):
         yield said
 
 
+@pytest.fixture(scope="module")
+def eel(tmp_path_factory):
+    """(calibration, what the driver says, an operator) of a body to which nothing happens, with JointState too."""
+    with ExitStack() as stack:
+        link, calibration = stack.enter_context(rig(tmp_path_factory.mktemp("eel")))
+        said = stack.enter_context(driver(link, calibration, "-p", "joints:=true"))
+        yield calibration, said, stack.enter_context(Operator())
+
+
+@pytest.fixture
+def free(eel):
+    """The same, with nobody on the body."""
+    operator = eel[2]
+    assert operator.call(Trigger, "/eel/stop").success and operator.call(Trigger, "/eel/arm").success
+    return eel
+
+
 def loaded(operator, pace=1.0, name=GENOME):
     return operator.call(
         Load, "/eel/load", task=task_message(default_task("swim")), genome=genome_message(load_champion(name)), real_time_factor=pace,
     )
 
 
-def test_an_animat_lives_on_hardware_as_it_does_in_a_simulator(tmp_path):
-    with rig(tmp_path) as (link, calibration), driver(link, calibration), Operator() as operator:
-        bodies = operator.listen(BODY.type, "/eel/body", BODY.quality)
-        states = operator.listen(CELL_STATES.type, "/eel/cell_states", CELL_STATES.quality)
-        actuation = operator.listen(ACTUATION.type, "/eel/actuation", ACTUATION.quality)
-        channels = operator.listen(CHANNELS.type, "/eel/channels", CHANNELS.quality)
-        diagnostics = operator.listen(DiagnosticArray, "/diagnostics", 10)
-        answer = loaded(operator)
-        assert answer.success, answer.message
-        cells = operator.until(lambda: bodies and bodies[-1].cells)
-        operator.until(lambda: len(states) > 150 and len(actuation) > 100)
-        assert channels[-1].name and list(channels[-1].channel) == list(range(cells))
-        last = states[-1]
-        assert len(last.position_x) == len(last.activation) == cells and np.isfinite(last.position_x).all()
-        steps = np.diff([state.step for state in states])
-        assert (steps > 0).all()
-        # It swims: the muscles that the network drives carry the body away from where it was born.
-        far = np.hypot(np.mean(last.position_x) - np.mean(states[0].position_x), np.mean(last.position_y) - np.mean(states[0].position_y))
-        assert far > 0.3
-        operator.until(lambda: diagnostics and any("health" in value.key for value in diagnostics[-1].status[0].values))
-        assert operator.call(SetBool, "/eel/pause", data=True).success
-        assert operator.call(Trigger, "/eel/reset").success
-        assert operator.call(SetBool, "/eel/pause", data=False).success
-        seen = len(states)
-        operator.until(lambda: len(states) > seen + 20)
-        assert operator.call(Trigger, "/eel/stop").success
-        operator.until(lambda: diagnostics[-1].status[0].message.startswith("emergency stop"))
-        assert diagnostics[-1].status[0].level == b"\x02"
-        assert operator.call(Trigger, "/eel/arm").success
-        assert loaded(operator).success
-        seen = len(states)
-        operator.until(lambda: len(states) > seen + 20)
+def test_an_animat_lives_on_hardware_as_it_does_in_a_simulator(free):
+    _, _, operator = free
+    bodies = operator.listen(BODY.type, "/eel/body", BODY.quality)
+    states = operator.listen(CELL_STATES.type, "/eel/cell_states", CELL_STATES.quality)
+    actuation = operator.listen(ACTUATION.type, "/eel/actuation", ACTUATION.quality)
+    channels = operator.listen(CHANNELS.type, "/eel/channels", CHANNELS.quality)
+    diagnostics = operator.listen(DiagnosticArray, "/diagnostics", 10)
+    answer = loaded(operator)
+    assert answer.success, answer.message
+    cells = operator.until(lambda: bodies and bodies[-1].cells)
+    operator.until(lambda: len(states) > 150 and len(actuation) > 100)
+    assert channels[-1].name and list(channels[-1].channel) == list(range(cells))
+    last = states[-1]
+    assert len(last.position_x) == len(last.activation) == cells and np.isfinite(last.position_x).all()
+    steps = np.diff([state.step for state in states])
+    assert (steps > 0).all()
+    # It swims: the muscles that the network drives carry the body away from where it was born.
+    far = np.hypot(np.mean(last.position_x) - np.mean(states[0].position_x), np.mean(last.position_y) - np.mean(states[0].position_y))
+    assert far > 0.3
+    operator.until(lambda: diagnostics and any("health" in value.key for value in diagnostics[-1].status[0].values))
+    assert operator.call(SetBool, "/eel/pause", data=True).success
+    assert operator.call(Trigger, "/eel/reset").success
+    assert operator.call(SetBool, "/eel/pause", data=False).success
+    seen = len(states)
+    operator.until(lambda: len(states) > seen + 20)
+    assert operator.call(Trigger, "/eel/stop").success
+    operator.until(lambda: diagnostics[-1].status[0].message.startswith("emergency stop"))
+    assert diagnostics[-1].status[0].level == b"\x02"
+    assert operator.call(Trigger, "/eel/arm").success
+    assert loaded(operator).success
+    seen = len(states)
+    operator.until(lambda: len(states) > seen + 20)
 
 
-def test_another_body_and_what_is_no_task_are_refused(tmp_path):
-    with rig(tmp_path) as (link, calibration), driver(link, calibration), Operator() as operator:
-        answer = loaded(operator, name="peristalsis")
-        assert (not answer.success and "m from where the body" in answer.message) or "cells, and the body" in answer.message
-        walk = operator.call(
-            Evaluate, "/eel/evaluate", task=task_message(default_task("walk")), genomes=[genome_message(load_champion(GENOME))],
-        )
-        assert "cannot be evaluated on hardware" in walk.error and not walk.evaluations
+def test_another_body_and_what_is_no_task_are_refused(free):
+    _, _, operator = free
+    answer = loaded(operator, name="peristalsis")
+    assert (not answer.success and "m from where the body" in answer.message) or "cells, and the body" in answer.message
+    walk = operator.call(
+        Evaluate, "/eel/evaluate", task=task_message(default_task("walk")), genomes=[genome_message(load_champion(GENOME))],
+    )
+    assert "cannot be evaluated on hardware" in walk.error and not walk.evaluations
 
 
-def test_hardware_evaluates_genomes_of_its_body(tmp_path):
+def test_hardware_evaluates_genomes_of_its_body(free):
     task = with_settings(default_task("swim"), {"control_steps": 240})
-    with rig(tmp_path) as (link, calibration), driver(link, calibration), Operator() as operator:
-        genomes = [genome_message(load_champion(name)) for name in (GENOME, "peristalsis")]
-        answer = operator.call(Evaluate, "/eel/evaluate", task=task_message(task), genomes=genomes)
-        assert answer.error == "" and len(answer.evaluations) == 2
-        fits, other = answer.evaluations
-        assert fits.status == 0 and fits.metrics.distance > 0.2 and fits.fitness > 0.0 and fits.metrics.chambers > 0
-        assert other.status != 0 and other.fitness < 0.0 and "the body" in other.cause
+    _, _, operator = free
+    genomes = [genome_message(load_champion(name)) for name in (GENOME, "peristalsis")]
+    answer = operator.call(Evaluate, "/eel/evaluate", task=task_message(task), genomes=genomes)
+    assert answer.error == "" and len(answer.evaluations) == 2
+    fits, other = answer.evaluations
+    assert fits.status == 0 and fits.metrics.distance > 0.2 and fits.fitness > 0.0 and fits.metrics.chambers > 0
+    assert other.status != 0 and other.fitness < 0.0 and "the body" in other.cause
 
 
-def test_commands_of_your_own_brain_are_limited_and_time_out(tmp_path):
-    with rig(tmp_path) as (link, calibration), driver(link, calibration) as said, Operator() as operator:
-        diagnostics = operator.listen(DiagnosticArray, "/diagnostics", 10)
-        publisher = operator.node.create_publisher(Actuation, "/eel/command", COMMAND_STREAM.quality)
-        operator.until(publisher.get_subscription_count)
-        operator.until(lambda: diagnostics)
-        cells = len(load_cells(calibration))
-        def healthy(name):
-            return any(v.key == "health" and v.value == name for v in diagnostics[-1].status[0].values)
+def test_commands_of_your_own_brain_are_limited_and_time_out(free):
+    calibration, said, operator = free
+    diagnostics = operator.listen(DiagnosticArray, "/diagnostics", 10)
+    publisher = operator.node.create_publisher(Actuation, "/eel/command", COMMAND_STREAM.quality)
+    operator.until(publisher.get_subscription_count)
+    operator.until(lambda: diagnostics)
+    cells = len(load_cells(calibration))
+    def healthy(name):
+        return any(v.key == "health" and v.value == name for v in diagnostics[-1].status[0].values)
 
-        def streaming():
-            publisher.publish(Actuation(activation=[0.5] * cells))
-            return healthy("FINE")
+    def streaming():
+        publisher.publish(Actuation(activation=[0.5] * cells))
+        return healthy("FINE")
 
-        operator.until(streaming)
-        operator.until(lambda: healthy("STALE") or healthy("VENTED"))
-        publisher.publish(Actuation(activation=[0.5]))
-        publisher.publish(Actuation(activation=[float("nan")] * cells))
-        operator.until(streaming)
-        operator.until(lambda: "a command for 1 cells ignored" in said())
+    operator.until(streaming)
+    operator.until(lambda: healthy("STALE") or healthy("VENTED"))
+    publisher.publish(Actuation(activation=[0.5]))
+    publisher.publish(Actuation(activation=[float("nan")] * cells))
+    operator.until(streaming)
+    operator.until(lambda: "a command for 1 cells ignored" in said())
 
 
-def test_ros2_control_drives_it_by_joint_states(tmp_path):
+def test_ros2_control_drives_it_by_joint_states(free):
     """As joint_state_topic_hardware_interface does: commands name joints in any order, positions alone, and NaN before it has a command;
     states are looked up by name."""
-    with rig(tmp_path) as (link, calibration), driver(link, calibration, "-p", "joints:=true"), Operator() as operator:
-        states = operator.listen(JointState, "/eel/joint_states", qos_profile_sensor_data)
-        publisher = operator.node.create_publisher(JointState, "/eel/joint_commands", 1)
-        operator.until(publisher.get_subscription_count)
-        cells = len(load_cells(calibration))
-        asked = {f"cell_{i}": 0.5 - i / cells for i in reversed(range(cells))}
+    calibration, _, operator = free
+    states = operator.listen(JointState, "/eel/joint_states", qos_profile_sensor_data)
+    publisher = operator.node.create_publisher(JointState, "/eel/joint_commands", 1)
+    operator.until(publisher.get_subscription_count)
+    cells = len(load_cells(calibration))
+    asked = {f"cell_{i}": 0.5 - i / cells for i in reversed(range(cells))}
 
-        def there():
-            publisher.publish(JointState(name=list(asked), position=list(asked.values())))
-            found = dict(zip(states[-1].name, states[-1].position)) if states else {}
-            return found.keys() == asked.keys() and all(abs(found[name] - asked[name]) < 1e-3 for name in asked)
+    def there():
+        publisher.publish(JointState(name=list(asked), position=list(asked.values())))
+        found = dict(zip(states[-1].name, states[-1].position)) if states else {}
+        return found.keys() == asked.keys() and all(abs(found[name] - asked[name]) < 1e-3 for name in asked)
 
-        operator.until(there)
-        assert len(states[-1].effort) == cells and not states[-1].velocity
-        publisher.publish(JointState(name=["cell_0"], position=[float("nan")]))
-        publisher.publish(JointState(name=["elbow"], position=[0.0]))
-        publisher.publish(JointState(name=["cell_0"], position=[]))
-        operator.until(there)
+    operator.until(there)
+    assert len(states[-1].effort) == cells and not states[-1].velocity
+    publisher.publish(JointState(name=["cell_0"], position=[float("nan")]))
+    publisher.publish(JointState(name=["elbow"], position=[0.0]))
+    publisher.publish(JointState(name=["cell_0"], position=[]))
+    operator.until(there)
+
+
+def test_the_driver_keeps_the_contract(free):
+    """Without an evaluation, which another test tries, and what takes long in real time."""
+    calibration, _, _ = free
+    only = ["services", "topics", "quality of body", "a malformed genome", "load", "arrays", "stamps", "validity", "velocities", "actuation"]
+    only += ["channels", "diagnostics", "emergency stop", "command", "silence", "odd commands"]
+    command = [sys.executable, "-m", "evodevo_sim.commands.conform", "/eel", "--genome", str(champions()[GENOME]), "--only", *only]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=DEADLINE)
+    assert done.returncode == 0 and f"{len(only)} checks: {len(only)} passed, 0 failed, 0 not asked" in done.stdout, done.stdout + done.stderr
 
 
 def load_cells(calibration):
