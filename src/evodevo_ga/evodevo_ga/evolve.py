@@ -18,7 +18,7 @@ from rclpy.experimental import EventsExecutor
 
 from .arguments import Options, parse
 from .auditor import Auditor
-from .fleet import FleetError
+from .pool.driver import PoolError
 from .run.loop import Run
 from .times import START, Times
 
@@ -55,7 +55,7 @@ def evolve(options: Options, arguments: list[str]) -> int:
                 audit.prepare(options.task)
             with heeded(stop.ask), Auditor(options.task, options.seed) as auditor:
                 return Run(options, recorder, auditor, stop, times, node, executor, began).go()
-    except (EnvironmentFault, RecordingError, FleetError) as error:
+    except (EnvironmentFault, RecordingError, PoolError) as error:
         print(f"evolve: {error}", file=sys.stderr)
         return 2
 
