@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import Any
 
 from ..physics.step_size import MOST_SUBSTEPS
 from . import ends
@@ -87,3 +89,10 @@ def failure(status: Status, metrics: Metrics, step: int = -1, cause: str = "") -
     """The evaluation of what cannot be scored.  Args: step: control step at which it failed, -1 for none; cause: if not the usual."""
     fitness, usual = FAILURE[status]
     return Evaluation(fitness, status, (cause or usual) + (f", at control step {step}" if step >= 0 else ""), metrics)
+
+
+def by_body(run: Callable[..., Any]) -> Callable[..., Any]:
+    """Marks a `TaskKind.run` that sees nothing of a genome but what `life.birth` makes of it: genomes of one animal then have one
+    evaluation, see `grown.Grown.key`."""
+    run.by_body = True  # type: ignore[attr-defined]
+    return run

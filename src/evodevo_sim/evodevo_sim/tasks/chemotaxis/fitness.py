@@ -9,7 +9,7 @@ import numpy as np
 from ...brain.scent import make_signals
 from ...genetics.genome import Genome
 from ...parameters import Task
-from ..outcome import FAILURE, STIFF, Evaluation, Metrics, Status, Steering, failure
+from ..outcome import FAILURE, STIFF, Evaluation, Metrics, Status, Steering, by_body, failure
 from ..swim.fitness import kernel_arguments, slowest_progress
 from .kernel import SAMPLES, Tests, Trials, earns, nearing, trials
 
@@ -17,6 +17,7 @@ LEFT, RIGHT = range(2)
 _NOT_KEPT = np.empty((0, 0, 0)), np.empty((0, 0))
 
 
+@by_body
 def run(genome: Genome, task: Task, seed: int, finer: float, track: np.ndarray, activations: np.ndarray) -> Evaluation:
     """Evaluate a seeker.  Args: see `swim.swim`; the swim that is kept is the one with the target on the left, if there is one."""
     return score(attempt(genome, task, seed, placements(task), LEFT, finer, (track, activations), every=False), task)

@@ -13,7 +13,7 @@ from ...genetics.genome import Genome
 from ...parameters import Task
 from ...plant.simulated import SwimmingBody
 from ..life import Model, birth
-from ..outcome import FAILURE, STIFF, Evaluation, Metrics, Status, failure
+from ..outcome import FAILURE, STIFF, Evaluation, Metrics, Status, by_body, failure
 from .kernel import swim
 
 
@@ -38,6 +38,7 @@ def begin(genome: Genome, task: Task, seed: int) -> tuple[int, Controller, Swimm
     return status, controller, SwimmingBody(life.state, controller.signals)
 
 
+@by_body
 def run(genome: Genome, task: Task, seed: int, finer: float, track: np.ndarray, activations: np.ndarray) -> Evaluation:
     """Evaluate a swimmer.  Args: finer, track, activations: see `swim.swim`; seed: of the noise, if there is any."""
     signals = make_signals(noise=task.noise.arguments(), seed=seed)

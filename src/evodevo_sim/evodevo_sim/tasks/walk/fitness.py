@@ -14,7 +14,7 @@ from ...parameters import Task
 from ...physics.terrain import make_terrain
 from ...plant.grounded import WalkingBody
 from ..ends import OK
-from ..outcome import FAILURE, Evaluation, Metrics, Status, failure
+from ..outcome import FAILURE, Evaluation, Metrics, Status, by_body, failure
 from ..swim.fitness import kernel_arguments as swim_arguments
 from .kernel import come_to_rest, hatch, lay_down, walk
 
@@ -38,6 +38,7 @@ def headings(seed: int | tuple[int, ...], starts: int) -> np.ndarray:
     return np.column_stack((np.cos(angle), np.sin(angle)))
 
 
+@by_body
 def run(genome: Genome, task: Task, seed: int, finer: float, track: np.ndarray, activations: np.ndarray) -> Evaluation:
     """Evaluate a walker.  Args: seed: of its orientations at birth, and of noise; finer, track, activations: see `walk.walk`."""
     given, ledger = kernel_arguments(genome, task), np.zeros((task.starts, 0))
