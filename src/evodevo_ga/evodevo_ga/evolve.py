@@ -161,7 +161,7 @@ class _Run:
                     asked = self.evolution.ask()
                 with self.times(EVALUATION):
                     best = self.champion.evaluation.fitness if self.champion else float("-inf")
-                    evaluations = fleet.evaluate(asked, o.task, o.seed, self.stop, best)
+                    evaluations = fleet.evaluate(asked, o.task, o.seed, self.stop, best, self.evolution.bars)
                 if evaluations is None:
                     break
                 with self.times(BREEDING):
