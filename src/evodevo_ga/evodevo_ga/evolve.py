@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 import sys
 import time
+from contextlib import ExitStack
 
 import rclpy
 from evodevo_sim.command_process import heeded
@@ -19,7 +20,11 @@ from rclpy.experimental import EventsExecutor
 from .arguments import Options, parse
 from .auditor import Auditor
 from .fleet import FleetError
+from .keeping.errors import KeepingError, ResumeError
+from .keeping.lock import Lock, refuse_if_held
+from .keeping.sessions import Sessions
 from .run.loop import Run
+from .run.recorded import Recorded, recorded_in
 from .times import START, Times
 
 
@@ -44,20 +49,49 @@ def main(arguments: list[str] | None = None) -> int:
 
 def evolve(options: Options, arguments: list[str]) -> int:
     """Evolve as the command line says.  Args: arguments: those of ROS among them.  Returns: the exit code."""
-    stop, times = _Stop(), Times()
     stay_on_this_host()
     try:
-        with GuardedRecorder(options.out) as recorder, started("evolve", arguments):
-            node, began, executor = rclpy.create_node("evolve"), time.monotonic(), EventsExecutor()
-            executor.add_node(node)
-            with times(START):
-                prepare(options.task)  # before simulators start, so that they only load the kernels
-                audit.prepare(options.task)
-            with heeded(stop.ask), Auditor(options.task, options.seed) as auditor:
-                return Run(options, recorder, auditor, stop, times, node, executor, began).go()
-    except (EnvironmentFault, RecordingError, FleetError) as error:
+        if options.resumed is None:
+            refuse_if_held(options.out)
+            return _run(options, arguments, Recorded())
+        with Lock(options.out):
+            options = parse(arguments)  # again: who held the lock may have gone on meanwhile
+            recorded = recorded_in(options.out)
+            _refuse_finished(options, recorded)
+            return _run(options, arguments, recorded)
+    except (EnvironmentFault, RecordingError, FleetError, KeepingError, ResumeError) as error:
         print(f"evolve: {error}", file=sys.stderr)
         return 2
+
+
+def _run(options: Options, arguments: list[str], recorded: Recorded) -> int:
+    stop, times = _Stop(), Times()
+    with ExitStack() as stack:
+        recorder = stack.enter_context(GuardedRecorder(options.out, go_on=options.resumed is not None))
+        recorder.mend = f"make room, then `ros2 run evodevo_ga evolve --resume {options.out}`"
+        stack.enter_context(started("evolve", arguments))
+        if options.resumed is None:
+            stack.enter_context(Lock(options.out))
+        node, began, executor = rclpy.create_node("evolve"), time.monotonic(), EventsExecutor()
+        executor.add_node(node)
+        with times(START):
+            prepare(options.task)  # before simulators start, so that they only load the kernels
+            audit.prepare(options.task)
+        stack.enter_context(heeded(stop.ask))
+        auditor = stack.enter_context(Auditor(options.task, options.seed))
+        return Run(options, recorder, auditor, stop, times, node, executor, began, recorded).go()
+
+
+def _refuse_finished(options: Options, recorded: Recorded) -> None:
+    """Raises ResumeError where nothing is left to be done."""
+    assert options.resumed is not None
+    for note in options.resumed.notes:
+        print(f"evolve: {note}", file=sys.stderr)
+    e = options.resumed.evolution
+    reached = options.limits.reached(e.evaluations, Sessions(options.out).seconds)
+    if recorded.lived and (e.finished or reached):
+        flag = "--patience" if e.stagnation >= e.settings.patience else "--generations" if e.finished else reached.partition(" ")[0]
+        raise ResumeError(f"{options.out} is finished, after {e.generation + 1} generations: raise {flag} to go on")
 
 
 if __name__ == "__main__":

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import shlex
 import time
 from collections import Counter
 from collections.abc import Sequence
+from pathlib import Path
 
 from evodevo_sim.analysis.gait import GaitError, analyse, track_of_performance
 from evodevo_sim.analysis.gait.table import headline
@@ -55,6 +57,11 @@ def told(evolution: Evolution, champion: Individual, verdict: str, gait: str, op
         f"{see_it(options.out)}\n"
         f"Genome:   {options.out / 'champion.yaml'}"
     )
+
+
+def go_on(directory: Path) -> str:
+    """The line that says how a run goes on, to be typed as it stands."""
+    return f"Go on:    ros2 run evodevo_ga evolve --resume {shlex.quote(str(directory))}"
 
 
 def why_nothing_evolved(population: Sequence[Individual]) -> str:
