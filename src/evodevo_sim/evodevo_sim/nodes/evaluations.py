@@ -133,14 +133,3 @@ def _genome_or_fault(message) -> Genome | Evaluation:
         return genome_from_message(message)
     except GenomeError as error:
         return invalid(brief(error))
-
-
-def _fault_of_bars(request) -> str:
-    """What is wrong with the bars of a request, or nothing."""
-    bars, count = request.bars, len(request.genomes)
-    if len(bars) not in (0, count):
-        return f"{len(bars)} bars for {count} genomes: give one for each, -inf where a life is not to stop, or none at all"
-    for k, bar in enumerate(bars):
-        if math.isnan(bar):
-            return f"bars[{k}] is not a number: give metres, or -inf where a life is not to stop"
-    return ""
