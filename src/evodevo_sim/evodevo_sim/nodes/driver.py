@@ -11,24 +11,25 @@ from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackRet
 from std_srvs.srv import Trigger
 
 from evodevo_msgs.msg import Channels
-from evodevo_msgs.srv import Evaluate
 
-from ..genetics.genome import GenomeError
+from ..genetics.genome import Genome
 from ..hardware.calibration import Calibration
 from ..hardware.serial_body import Health, SerialBody
 from ..hardware.serial_line import LineError
 from ..hardware.trial import TrialError, check_task, embody, trial
 from ..live.animat import Animat
-from ..parameters import ParameterError
+from ..parameters import ParameterError, Task
 from ..ros.barrier import Callbacks, Desk, brief
-from ..ros.messages import evaluation_message, genome_from_message, task_of_request
 from ..ros.node_parameters import fixed, seconds
 from ..ros.topics import CHANNELS, COMMAND_STREAM
-from ..tasks.evaluation import invalid
+from ..tasks.outcome import Evaluation
+from .evaluations import Evaluations
 from .joints import Joints
-from .living import ENDING, Living
+from .living import Living
 
 _DIAGNOSE_EVERY = 1.0  # s
+_MOST_GENOMES = 100  # in a request
+_CODE = "hardware"  # what evaluates is no code
 _LEVEL = {
     Health.FINE: DiagnosticStatus.OK, Health.VENTED: DiagnosticStatus.WARN, Health.STALE: DiagnosticStatus.WARN,
     Health.SILENT: DiagnosticStatus.STALE, Health.UNPLUGGED: DiagnosticStatus.ERROR, Health.FOREIGN: DiagnosticStatus.ERROR,
@@ -60,11 +61,11 @@ class Driver(LifecycleNode):
         self.hardware: SerialBody | None = None
         self._active = False
         self._barrier = Callbacks(self)
-        self._evaluations, self._births = Desk("evaluations"), Desk("births")
+        self._births = Desk("births")
+        self._evaluations = Evaluations(self, self._barrier, 1, _MOST_GENOMES, stop.is_set, self._trial, _CODE)
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self._channels = self.create_publisher(CHANNELS.type, CHANNELS.name, CHANNELS.quality)
         self._living = Living(self, self._barrier, self._births, frame, every, oldest, stop.is_set, self._make)
-        self._barrier.service(Evaluate, "evaluate", self._evaluate, self._evaluations)
         self._barrier.service(Trigger, "stop", self._emergency)
         self._barrier.service(Trigger, "arm", self._arm)
         self._barrier.subscription(COMMAND_STREAM.type, COMMAND_STREAM.name, self._stream, COMMAND_STREAM.quality)
@@ -144,33 +145,19 @@ class Driver(LifecycleNode):
         body = self._ready()
         return Animat(genome, task, seed, lambda grown: embody(grown.position, body))
 
-    def _evaluate(self, request, response):
-        if not 0 < len(request.genomes) <= 100:
-            response.error = f"{len(request.genomes)} genomes in a request: give 1 to 100"
-            return response
+    def _trial(self, genome: Genome, task: Task, seed: int, bar: float) -> Evaluation:
+        """Evaluate a genome on the body, which takes as long as its life; nobody else lives there meanwhile."""
+        check_task(task)
+        body = self._ready()
+        self._trying = True
+        self._living.stage.unload()
         try:
-            task = task_of_request(request.task)
-            check_task(task)
-            body = self._ready()
-            self._trying = True
-            self._living.stage.unload()
-            for message in request.genomes:
-                if self._stop.is_set():
-                    raise ParameterError(ENDING)
-                response.evaluations.append(evaluation_message(self._trial(message, task, request.seed, body)))
-        except (ParameterError, TrialError) as error:
-            response.evaluations, response.error = [], brief(error)
+            return trial(genome, task, seed, body, lambda: self._stop.is_set() or not self._active)
+        except TrialError as error:
+            raise ParameterError(f"the body did not live to the end: {error}: ask again") from None
         finally:
             self._trying = False
-            if self.hardware is not None:
-                self.hardware.release()
-        return response
-
-    def _trial(self, message, task, seed, body):
-        try:
-            return trial(genome_from_message(message), task, seed, body, lambda: self._stop.is_set() or not self._active)
-        except GenomeError as error:
-            return invalid(brief(error))
+            body.release()
 
     def _stream(self, message) -> None:
         """A command of somebody else's brain."""

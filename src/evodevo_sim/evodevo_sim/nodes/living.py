@@ -19,6 +19,7 @@ from ..live.animat import Animat, NotViable, Stage, check_pace
 from ..parameters import ParameterError
 from ..ros.barrier import Callbacks, Desk, brief
 from ..ros.messages import actuation_message, body_message, cell_states_message, genome_from_message, task_of_request
+from ..ros.requests import ENDING
 from ..ros.topics import ACTUATION, BODY, CELL_STATES, TARGET_POSE
 
 
@@ -137,4 +138,3 @@ class Living:
 
 
 _NOBODY = "no animat lives: load one first"
-ENDING = "the node is ending: ask another one"

@@ -110,9 +110,13 @@ COMMAND_STREAM = Topic(
     "commands", many=True,
 )
 GAIT = Topic("gait", msg.Gait, LATCHED, "", "what `evolve` found the motion to be", "gait")
+WORKER = Topic(
+    "worker", msg.Worker, LATCHED, "simulator", "who evaluates, and how it does, each second where somebody listens", "worker",
+    animat=False,
+)
 TOPICS = (
     SETTINGS, STATISTICS, CHAMPION, AUDIT, GROWTH_BODY, GROWTH_STATES, BODY, CELL_STATES, ACTUATION, TARGET_POSE, SCENE, CHANNELS,
-    COMMAND_STREAM, GAIT,
+    COMMAND_STREAM, GAIT, WORKER,
 )
 
 
