@@ -70,6 +70,8 @@ def _emulator(given):
     champion = champion_of(given.genome, pairs(given.set), "swim", warn("emulate"))
     task = champion.task if champion.task.name == "swim" else with_settings(default_task("swim"), {})
     animat = Animat(champion.genome, task)
+    animat.step()  # whatever has to be compiled is, before the firmware must answer in time
+    animat.reset()
     path = Path(given.calibration)
     if not path.exists():
         with written_whole(path) as name, open(name, "w", encoding="utf-8") as file:

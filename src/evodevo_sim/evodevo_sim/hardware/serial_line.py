@@ -12,7 +12,7 @@ import serial
 from ..inputs import InputError
 from .protocol import VERSION, FrameError, Hello, Message, Parser, Welcome, encode
 
-HANDSHAKE_WITHIN = 2.0  # s; a controller that begins anew when its port is opened takes one of them
+HANDSHAKE_WITHIN = 5.0  # s; a controller that begins anew when its port is opened takes one or two of them
 _ASK_EVERY = 0.1  # s
 _WRITE_WITHIN = 0.1  # s: a line that is full for so long is broken
 _READ = 65536  # bytes at once
