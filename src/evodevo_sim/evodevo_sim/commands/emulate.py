@@ -18,6 +18,9 @@ examples:
   ros2 run evodevo_sim emulate champion.yaml --link /tmp/eel --calibration eel.yaml --rig plant.yaml
       with the lag, the noise and the faults of plant.yaml (docs/guide/hardware.md)
 
+A line of input lets something happen at once: unplug 0.5, restart, silence 0.3, garbage 1, pressure, stop, or fail and the numbers of
+cells.
+
 Exit code: 0 when a signal ended it, 1 where its physics could not be carried on, 2 for bad input.
 """
 
@@ -43,6 +46,7 @@ def main(arguments: list[str]) -> int:
     try:
         emulator = _emulator(given)
         print(f"emulating at {given.link}: Ctrl-C ends it", flush=True)
+        threading.Thread(target=_hear, args=(emulator,), daemon=True).start()
         with heeded(lambda _: stop.set()):
             emulator.run(stop.is_set)
     except (GenomeError, ParameterError, CalibrationError, RigError, RecordingError, NotViable, OSError) as error:
@@ -83,6 +87,17 @@ def _emulator(given):
     body = EmulatedBody(animat.plant, calibration, rig, task.control_step)
     firmware = Firmware(calibration.by_channel(calibration.vent), calibration.most_pressure, calibration.name, log=_say)
     return Emulator(body, firmware, rig, task.control_step, link, _say)
+
+
+def _hear(emulator) -> None:
+    """In a thread of its own: what is typed happens."""
+    from ..hardware.rig import RigError, event_of_line
+
+    for line in sys.stdin:
+        try:
+            emulator.happen(event_of_line(line, emulator.cells))
+        except RigError as error:
+            print(error, file=sys.stderr, flush=True)
 
 
 def _say(line: str) -> None:

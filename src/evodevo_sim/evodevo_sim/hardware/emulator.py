@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
+import queue
 import select
 import time
 import tty
@@ -18,7 +19,7 @@ from ..plant import Outcome
 from .calibration import Calibration
 from .chain import ActuatorChain, SensorChain
 from .firmware import Firmware
-from .rig import Line, Rig
+from .rig import Event, Line, Rig
 
 _READ = 65536  # bytes at once
 _GARBAGE = 200  # bytes in each control step
@@ -36,6 +37,7 @@ class EmulatedBody:
 
     def __init__(self, plant: Any, calibration: Calibration, rig: Rig, control_step: float):
         self._plant, self._calibration, self._step = plant, calibration, control_step
+        self.cells = calibration.cells
         self.actuators = ActuatorChain(rig.actuators, calibration.cells, control_step)
         self._sensors = SensorChain(rig.sensors, plant.position, control_step, rig.seed)
 
@@ -92,11 +94,17 @@ class Emulator:
     ):
         self._body, self._firmware, self._rig, self._step = body, firmware, rig, control_step
         self._link, self._log = link, log
+        self.cells = body.cells
         self._in, self._out = Noisy(rig.line, rig.seed, 0), Noisy(rig.line, rig.seed, 1)
         self._garbage = np.random.default_rng((rig.seed, 3))
         self._master = self._slave = -1
         self._until: dict[str, float] = {}  # kind of event: s at which it is over
+        self._asked: queue.SimpleQueue[Event] = queue.SimpleQueue()
         self.late = 0  # control steps that began more than one step late
+
+    def happen(self, event: Event) -> None:
+        """Let something happen in the next control step, whatever its `at`.  From any thread."""
+        self._asked.put(event)
 
     def run(self, stop: Callable[[], bool]) -> None:
         """Until `stop()`.  Raises OSError where the link cannot be made, BodyFailed."""
@@ -108,18 +116,21 @@ class Emulator:
 
     def _run(self, stop: Callable[[], bool]) -> None:
         start = due = time.monotonic()
-        waiting = list(self._rig.events)
+        waiting, steps = list(self._rig.events), 0  # the body's clock ticks with its physics, also where the machine is busy
         while not stop():
             now = time.monotonic() - start
             while waiting and waiting[0].at <= now:
                 self._begin(waiting.pop(0), now)
+            while not self._asked.empty():
+                self._begin(self._asked.get(), now)
             self._end(now)
             pressure = self._body.pressure()
             if self._on("pressure"):
                 pressure = pressure + 1e6
             self._firmware.watch(pressure, now)
             self._body.move(self._firmware.levels)
-            self._send(self._firmware.state(pressure, self._body.markers(), now))
+            steps += 1
+            self._send(self._firmware.state(pressure, self._body.markers(), steps * self._step))
             due += self._step
             if time.monotonic() > due + self._step:
                 self.late += 1
@@ -127,7 +138,7 @@ class Emulator:
             while (left := due - time.monotonic()) > 0:
                 self._listen(left, start)
 
-    def _begin(self, event, now: float) -> None:
+    def _begin(self, event: Event, now: float) -> None:
         self._log(f"{now:.2f} s: {event.what}" + (f" of cells {', '.join(map(str, event.cells))}" if event.cells else ""))
         self._until[event.what] = now + event.lasts
         match event.what:

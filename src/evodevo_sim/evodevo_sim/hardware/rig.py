@@ -17,7 +17,7 @@ import os
 from dataclasses import dataclass
 from typing import Any
 
-from ..inputs import InputError, nearest, shown
+from ..inputs import InputError, decimal, nearest, shown
 from ..parameters import Checked, ParameterError, parameter
 from ..text_file import parsed, read_text
 
@@ -110,6 +110,17 @@ def make_rig(document: Any, cells: int | None = None) -> Rig:
         raise RigError(f"events is {shown(events)}: give a list of at most {MOST_EVENTS}, each with at, what, for, cells")
     made = tuple(sorted((_event(one, f"events[{k}]", cells) for k, one in enumerate(events)), key=lambda one: one.at))
     return Rig(events=made, seed=seed, **parts)
+
+
+def event_of_line(line: str, cells: int | None = None) -> Event:
+    """The event of a line such as `unplug 0.5` or `fail 3 4`: what, and for how many s, or of which cells.  Raises RigError."""
+    what, *rest = line.split() or [""]
+    numbers = [decimal(word) for word in rest]
+    if what == "fail":
+        return _event({"at": 0, "what": what, "cells": numbers}, "the line", cells)
+    if len(numbers) > 1:
+        raise RigError(f"the line {shown(line)} has {len(numbers)} numbers: give one, the seconds that it lasts")
+    return _event({"at": 0, "what": what, "for": numbers[0] if numbers else 0.0}, "the line", cells)
 
 
 def _check_keys(document: Any, known: tuple[str, ...], where: str) -> None:

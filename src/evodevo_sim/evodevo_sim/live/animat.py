@@ -202,11 +202,13 @@ class Stage:
             return
         try:
             animat.target = self._target
+            lived = animat.steps
             animat.step()
-            if self._act:
-                self._act(animat)
-            if animat.steps % self.every == 0:
-                self._show(animat)
+            if animat.steps > lived:  # or else its body has not answered
+                if self._act:
+                    self._act(animat)
+                if animat.steps % self.every == 0:
+                    self._show(animat)
             cause = animat.cause
         except Exception as error:
             cause = f"unexpectedly: {error!r}"

@@ -455,6 +455,7 @@ def _silence(s: Session) -> None:
 @check("odd commands", "a command for other cells, or with what is no number, is not carried out")
 def _odd_commands(s: Session) -> None:
     publisher, heard, cells = alone(s), diagnostics(s), cells_of(s)
+    must(s.until(lambda: health(heard) and "armed" not in health(heard), 5.0), f"the diagnostic says {health(heard)!r}")
     for odd in ([0.0] * (cells + 1), [math.nan] * cells, []):
         armed = stream(s, publisher, odd, lambda: "armed" in health(heard), 1.0)
         must(not armed, f"a command of {odd[:2]} ... for {len(odd)} cells armed it")
