@@ -78,8 +78,8 @@ def rig(directory, rig=""):
 
 
 @contextmanager
-def driver(link, calibration, *parameters):
-    arguments = ("--port", link, "--calibration", calibration, "--ros-args", "-r", "__ns:=/eel", *parameters)
+def driver(link, calibration, *parameters, namespace="/eel"):
+    arguments = ("--port", link, "--calibration", calibration, "--ros-args", "-r", f"__ns:={namespace}", *parameters)
     with running(link.parent, "driver", *arguments, ready="ready") as said:
         yield said
 
@@ -101,10 +101,9 @@ def free(eel):
     return eel
 
 
-def loaded(operator, pace=1.0, name=GENOME):
-    return operator.call(
-        Load, "/eel/load", task=task_message(default_task("swim")), genome=genome_message(load_champion(name)), real_time_factor=pace,
-    )
+def loaded(operator, name=GENOME, namespace="/eel"):
+    genome, task = genome_message(load_champion(name)), task_message(default_task("swim"))
+    return operator.call(Load, f"{namespace}/load", task=task, genome=genome, real_time_factor=1.0)
 
 
 def test_an_animat_lives_on_hardware_as_it_does_in_a_simulator(free):
@@ -229,13 +228,16 @@ def load_cells(calibration):
 
 @pytest.mark.parametrize("fault, name", [("unplug 0.5", "UNPLUGGED"), ("restart", "VENTED"), ("silence 0.5", "SILENT")])
 def test_the_node_outlives_what_happens_to_the_body(tmp_path, fault, name):
-    with rig(tmp_path) as (link, calibration, emulated), driver(link, calibration), Operator() as operator:
+    with rig(tmp_path) as (link, calibration, emulated), driver(link, calibration, namespace="/ray"), Operator() as operator:
         diagnostics = operator.listen(DiagnosticArray, "/diagnostics", 100)
-        states = operator.listen(CELL_STATES.type, "/eel/cell_states", CELL_STATES.quality)
-        assert loaded(operator).success
+        states = operator.listen(CELL_STATES.type, "/ray/cell_states", CELL_STATES.quality)
+        assert loaded(operator, namespace="/ray").success
         operator.until(lambda: len(states) > 10 and diagnostics)
         emulated.hear(fault)
-        operator.until(lambda: name in {v.value for m in diagnostics for v in m.status[0].values if v.key == "health"})
+        own = str(link)
+        operator.until(lambda: name in {
+            v.value for m in diagnostics if m.status[0].hardware_id == own for v in m.status[0].values if v.key == "health"
+        })
         lived = len(states)
         operator.until(lambda: len(states) > lived + 60)
         assert (np.diff([state.step for state in states]) > 0).all()  # the same life goes on
