@@ -9,7 +9,7 @@ setup(
     name=package_name,
     version=ElementTree.parse("package.xml").findtext("version"),
     packages=find_packages(exclude=["test"]),
-    package_data={package_name: ["py.typed"]},
+    package_data={package_name: ["py.typed", "report/*.css"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
         (f"share/{package_name}", ["package.xml"]),
@@ -17,7 +17,7 @@ setup(
     ],
     install_requires=["numpy>=2", "evodevo_sim"],
     extras_require={
-        "ros": ["evodevo_sim[gaits,ros]"],
+        "ros": ["evodevo_sim[gaits,ros]", "pyarrow"],
         "test": ["pytest", "pytest-timeout", "hypothesis"],
     },
     python_requires=">=3.11",
@@ -29,6 +29,7 @@ setup(
     entry_points={
         "console_scripts": [
             "evolve = evodevo_ga.commands:evolve",
+            "report = evodevo_ga.commands:report",
         ],
     },
 )

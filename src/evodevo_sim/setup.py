@@ -9,7 +9,9 @@ setup(
     name=package_name,
     version=ElementTree.parse("package.xml").findtext("version"),
     packages=find_packages(exclude=["test"]),
-    package_data={package_name: ["ros/discovery.xml", "py.typed", "recording/before/*.msg", "champions/*.yaml"]},
+    package_data={
+        package_name: ["ros/discovery.xml", "py.typed", "recording/before/*.msg", "champions/*.yaml", "view/film/*.css", "view/film/*.js"],
+    },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
         (f"share/{package_name}", ["package.xml"]),
@@ -19,7 +21,7 @@ setup(
     install_requires=["numpy>=2", "numba", "PyYAML"],
     extras_require={
         "gaits": ["scipy"],
-        "view": ["matplotlib", "rerun-sdk"],
+        "view": ["matplotlib", "rerun-sdk", "pillow", "av"],
         "ros": [
             "mcap", "mcap-ros2-support", "zstandard", "rich", "tqdm",
             "ros-jazzy-rclpy>=7.1.4", "ros-jazzy-common-interfaces", "ros-jazzy-rmw-fastrtps-cpp",
@@ -37,6 +39,7 @@ setup(
             "simulator = evodevo_sim.commands.entry:simulator",
             "audit = evodevo_sim.commands.entry:audit",
             "simulate = evodevo_sim.commands.entry:simulate",
+            "film = evodevo_sim.commands.entry:film",
             "gait = evodevo_sim.commands.entry:gait",
             "replay = evodevo_sim.commands.entry:replay",
             "chase = evodevo_sim.commands.entry:chase",

@@ -20,6 +20,13 @@ def chase() -> Main:
 
 
 @command
+def film() -> Main:
+    from .film import main
+
+    return main
+
+
+@command
 def gait() -> Main:
     from .gait import main
 

@@ -12,6 +12,8 @@ from .palettes import DEFAULT, PALETTES
 _STRETCH = 0.7  # power of |e - c|: weak muscles show, too
 INK, QUIET, ACCENT, SECOND, THIRD = (38, 43, 54), (138, 145, 158), (222, 116, 24), (132, 92, 196), (34, 150, 160)
 PAPER = (250, 250, 248)
+# Of curves in one figure: told apart by the colour-blind, and in grey by their lightness.
+SERIES = ((0, 92, 170), (220, 105, 20), (26, 30, 42), (120, 190, 225))
 
 
 def activation_colours(activation: Any, palette: str = DEFAULT) -> np.ndarray:

@@ -35,7 +35,7 @@ def legend_of(palette: str) -> str:
     return f"{chosen.contracting} contracting (−1), {chosen.rest} at rest (0), {chosen.expanding} expanding (+1)"
 
 
-def add_palette(parser: argparse.ArgumentParser) -> None:
+def add_palette(parser: argparse.ArgumentParser, default: str = DEFAULT) -> None:
     """Give a command line the option --palette."""
     says = "colours of cells: as in the paper, or safe for the colour-blind and for grey prints (default: %(default)s)"
-    parser.add_argument("--palette", choices=tuple(PALETTES), default=DEFAULT, help=says)
+    parser.add_argument("--palette", choices=tuple(PALETTES), default=default, help=says)
