@@ -39,6 +39,7 @@ setup(
             "simulator = evodevo_sim.commands.entry:simulator",
             "audit = evodevo_sim.commands.entry:audit",
             "simulate = evodevo_sim.commands.entry:simulate",
+            "figure = evodevo_sim.commands.entry:figure",
             "film = evodevo_sim.commands.entry:film",
             "gait = evodevo_sim.commands.entry:gait",
             "replay = evodevo_sim.commands.entry:replay",

@@ -20,6 +20,13 @@ def chase() -> Main:
 
 
 @command
+def figure() -> Main:
+    from .figure import main
+
+    return main
+
+
+@command
 def film() -> Main:
     from .film import main
 

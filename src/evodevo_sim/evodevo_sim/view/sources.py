@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..analysis.gait.sources import parts_of_body
+from ..analysis.gait.sources import parts_of_body, track_of_performance
+from ..analysis.gait.track import Track
 from ..genetics.genome_file import load_genome
 from ..parameters import ParameterError, Task, default_task, with_settings
 from ..recording import Recording, RecordingError, is_recording, read_recording
@@ -23,12 +24,13 @@ _NONE = np.empty((0, 2), int)
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """name; about: it, in a line; life; recording: where it is from, or None of a genome."""
+    """name; about: it, in a line; life; recording: where it is from, or None of a genome; track: of a life that was lived anew."""
 
     name: str
     about: str
     life: Life
     recording: Recording | None = None
+    track: Track | None = None
 
 
 def shown_of(
@@ -46,7 +48,7 @@ def shown_of(
     if not is_recording(path):
         genome, task = load_genome(path), with_settings(default_task(task_name), dict(settings or {}))
         performance = perform(genome, task)
-        return Shown(path.stem, _about(performance, task, say), life_of_performance(performance, task))
+        return _lived(path.stem, performance, task, say)
     if settings:
         raise ParameterError("--set is for a genome file: a recording names its own task")
     recording = read_recording(path)
@@ -57,9 +59,15 @@ def shown_of(
         say(f"{path} holds no life: its last champion lives anew")
         task = task_from_message(recording.settings.task)
         performance = perform(genome_from_message(recording.champions[-1].genome), task, recording.settings.seed)
-        return Shown(name_of(path), _about(performance, task, say), life_of_performance(performance, task), recording)
+        return _lived(name_of(path), performance, task, say, recording)
     name, about = headline(recording, life)
     return Shown(name, about, life, recording)
+
+
+def _lived(name: str, performance: Performance, task: Task, say: Callable[[str], None], recording: Recording | None = None) -> Shown:
+    failed = performance.body is None or performance.evaluation.cause
+    track = None if failed else track_of_performance(performance, task)
+    return Shown(name, _about(performance, task, say), life_of_performance(performance, task), recording, track)
 
 
 def need_life(shown: Shown, source: str | os.PathLike, what: str, growth: bool = True) -> None:
