@@ -13,6 +13,7 @@ setup(
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
         (f"share/{package_name}", ["package.xml"]),
+        (f"share/{package_name}/completion", sorted(glob("completion/*"))),
         (f"share/{package_name}/launch", sorted(glob("launch/*.launch.py"))),
     ],
     install_requires=["numpy>=2", "evodevo_sim"],

@@ -16,6 +16,7 @@ setup(
         ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
         (f"share/{package_name}", ["package.xml"]),
         (f"share/{package_name}/champions", sorted(glob("champions/*.yaml"))),
+        (f"share/{package_name}/completion", sorted(glob("completion/*"))),
         (f"share/{package_name}/launch", sorted(glob("launch/*.launch.py"))),
     ],
     install_requires=["numpy>=2", "numba", "PyYAML"],

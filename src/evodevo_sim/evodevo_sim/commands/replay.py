@@ -22,7 +22,7 @@ examples:
       the newest recording under bags/ in the Rerun viewer; without a display it saves a Rerun file and says where
   ros2 run evodevo_sim replay bags/long --save long.rrd
       keep the Rerun file; `rerun --bind 127.0.0.1 long.rrd` shows it again, here or on another computer
-  ros2 run evodevo_sim replay bags/long --no-viewer --picture long.pdf
+  ros2 run evodevo_sim replay bags/sample-swim --no-viewer --picture swim.pdf
       a picture alone: growth, swim, muscles, fitness; it needs no Rerun
 
 A recording is a directory that `evolve` or `ros2 bag record` made, or an .mcap or .db3 file of it; one that was cut off is shown

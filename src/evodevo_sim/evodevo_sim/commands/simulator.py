@@ -8,6 +8,10 @@ from ..ros.command_line import Parser
 from ..ros.environment import EnvironmentFault, check_environment, without_ros
 
 _EPILOG = """\
+examples:
+  ros2 run evodevo_sim simulator
+      a node in the namespace /
+
 in a namespace of its own, so that several can stand side by side:
   ros2 run evodevo_sim simulator --ros-args -r __ns:=/sim_0
 

@@ -44,7 +44,8 @@ def draw(sources: Sequence[Champion], sheet: Sheet) -> None:
                 axes.loglog(*np.array(points).T, marker="o^s"[number], ms=3, label=method, **stroke(number))
         axes.axvline(own, color="0.4", linewidth=0.7, linestyle=":", zorder=1)
         axes.text(own, 0.03, " as evolved", transform=axes.get_xaxis_transform(), fontsize=6, va="bottom")
-        axes.set(xlabel="force evaluations in a control step, of a body at rest", ylabel="RMS error of the way, m", xlim=(3.0, 5.2 * _EFFORTS[-1]))
+        axes.set(xlabel="force evaluations in a control step, of a body at rest", ylabel="RMS error of the way, m")
+        axes.set_xlim(3.0, 5.2 * _EFFORTS[-1])
         axes.legend(ncols=3, loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2, handlelength=2.6, columnspacing=1.0)
 
 
