@@ -11,6 +11,7 @@ Last comes what went wrong: {"console": lines of warnings and errors, "requests"
 
 from __future__ import annotations
 
+import functools
 import json
 import os
 import subprocess
@@ -20,6 +21,7 @@ from pathlib import Path
 TIMEOUT = 60.0  # s, of a whole visit; the machine may be busy
 
 
+@functools.cache
 def missing() -> str:
     """Why there is no browser here, or nothing: a library of the system that its wheel needs and does not carry."""
     asked = "from PyQt6.QtWebEngineWidgets import QWebEngineView"

@@ -20,6 +20,7 @@ _FINER = 2  # pixels, along each side, of which one of the frame is the mean
 _MARGIN = 1.3  # m around what must be seen
 _LARGEST = 90 / 960  # of the width, that a cell takes at the most
 _GRID, _FIFTH, _EARTH = (243, 244, 246), (228, 231, 236), (232, 230, 225)
+_THIN = 0.6  # pixels of a frame, that lines have at the least in small ones
 _TRAIL = 500  # points at the most
 _SMOOTH = 30  # control steps to each side, over which the camera's way is a mean
 
@@ -31,8 +32,9 @@ class Painter:
         self._life, self.steps = life, len(life.growth) + len(life.time)
         self.size = width - width % 2, round(width / ASPECT) // 2 * 2
         self._wide, self._high = (side * _FINER for side in self.size)
-        self._unit = self._wide / 960  # pixels of the finer picture, of a line one pixel wide in a frame of 960
-        self._font = ImageFont.load_default(max(9.0, 15 / 960 * width) * _FINER)
+        self._unit = max(self._wide / 960, _THIN * _FINER)  # pixels of the finer picture, of a line one pixel wide in a frame of 960
+        self._letters = max(9.0, 15 / 960 * width) * _FINER
+        self._font = ImageFont.load_default(self._letters)
         self._colours = activation_colours(life.activation, palette) if len(life.time) else np.zeros((0, 0, 3), np.uint8)
         self._growth_colours = [activation_colours(pose.activation, palette) for pose in life.growth]
         self._contact = life.contact if life.scene is not None and len(life.time) else None
@@ -172,7 +174,7 @@ class Painter:
 
     def _bar(self, pen) -> None:
         metres = _round(self._wide / 4 / self._scale)
-        right, top, long = self._wide - 15 * self._unit, 34 * self._unit, metres * self._scale
+        right, top, long = self._wide - 15 * self._unit, 8 * self._unit + 1.4 * self._letters, metres * self._scale
         pen.rectangle((right - long, top, right, top + 3 * self._unit), fill=INK)
         pen.text((right - long / 2, top - 4 * self._unit), f"{metres:g} m", fill=INK, font=self._font, anchor="md")
 
