@@ -19,6 +19,7 @@ setup(
     install_requires=["numpy>=2", "evodevo_sim"],
     extras_require={
         "ros": ["evodevo_sim[gaits,ros]", "pyarrow"],
+        "view": ["evodevo_sim[view]", "matplotlib"],
         "test": ["pytest", "pytest-timeout", "hypothesis"],
     },
     python_requires=">=3.11",
@@ -31,6 +32,8 @@ setup(
         "console_scripts": [
             "evolve = evodevo_ga.commands:evolve",
             "report = evodevo_ga.commands:report",
+            "descent = evodevo_ga.commands:descent",
+            "status = evodevo_ga.commands:status",
         ],
     },
 )

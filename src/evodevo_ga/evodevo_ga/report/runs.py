@@ -66,7 +66,7 @@ def read_run(path: Path) -> Run:
     except ParameterError as error:
         notes.append(f"its settings are not of this version: {error}")
     life = life_of(recording)
-    ancestors, said = descent_of(path, len(recording.champions) > 0)
+    ancestors, said = descent_of(path)
     return Run(name_of(path), path, recording, life, task, settings, gait_of_recording(recording, life), ancestors, notes + said)
 
 

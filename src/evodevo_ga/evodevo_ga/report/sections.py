@@ -159,7 +159,7 @@ def descent_section(run: Run) -> str:
         return "".join(parts)
     operators = Counter(name for one in line for name in one.operators)
     told = ", ".join(f"{count} by {name}" for name, count in operators.most_common())
-    parts.append(paragraph(f"The best individual, number {line[0].number}, has {len(line) - 1} ancestors in a line of first parents, back "
+    parts.append(paragraph(f"The champion, number {line[0].number}, has {len(line) - 1} ancestors in the line of fitter parents, back "
                            f"to number {line[-1].number} of generation {line[-1].generation}. Changes in that line: {told or 'none'}."))
     back = line[::-1]
     parts.append(f'''<div class="charts">{chart(

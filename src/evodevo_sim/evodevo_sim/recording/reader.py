@@ -31,6 +31,7 @@ class Recording:
     Attributes: settings: Evolution; statistics: GenerationStatistics; champions: Champion; audits: Audit, of those champions
     that the run got to; growth and states: CellStates, actuation: Actuation, of each life by their stamps; growth_bodies: Body, where
     the embryo's graph changed; body: Body; gait: Gait of the states; scene: Scene, of a walk by simulate; targets: PoseStamped;
+    worker: Worker, of a simulator, where somebody recorded it;
     state_times and target_times: ns, when each was recorded; truncated: whether the end is missing, or damaged; notes: what else must
     be known of what was read, a line each; unread: why messages of ours were not, by attribute.
     """
@@ -50,6 +51,7 @@ class Recording:
     target_times: list[int] = field(default_factory=list)
     gait: msg.Gait | None = None
     scene: msg.Scene | None = None
+    worker: msg.Worker | None = None
     truncated: bool = False
     notes: list[str] = field(default_factory=list)
     unread: dict[str, str] = field(default_factory=dict)
@@ -174,10 +176,19 @@ class _Collected:
     def _begin_of_run(self, chosen) -> int:
         """ns, when the last of several runs in one directory began."""
         settings = chosen.get(SETTINGS, [])
-        if len({one.data for _, one in settings}) < 2:
+        if len({self._without_limits(one) for _, one in settings}) < 2:
             return -(2**63)
         _note(self._recording, f"{self._recording.path} holds {len(settings)} runs: the last one is read")
         return settings[-1][1].log_time
+
+    def _without_limits(self, one: Stored) -> bytes | str:
+        """The settings of a run but for its limits, which may be raised when it is resumed: that begins no other run."""
+        try:
+            settings = self._decoders[one.channel](one.data)
+        except Undecodable:
+            return one.data
+        settings.generations = settings.patience = 0
+        return repr(settings)
 
     def _decoded(self, entry: Topic, messages, bad: _Bad) -> list[tuple[int, object]]:
         kept: list[tuple[int, object]] = []
