@@ -24,6 +24,7 @@ from .tables import commands, download, number, paragraph, table
 
 _PERIODS = 6.0  # of the muscles that traces show
 _MOST_GENOMES = 24  # to begin from, that a page holds
+_BEGINNINGS = ("given", "random", "scatter")  # what makes a genome without parents
 _MOST_CHAMPIONS = 15  # in a table
 
 
@@ -157,7 +158,7 @@ def descent_section(run: Run) -> str:
     if not line:
         parts.append(paragraph("The run has no history of its individuals, so their parents are not known.", "about"))
         return "".join(parts)
-    operators = Counter(name for one in line for name in one.operators)
+    operators = Counter(name for one in line for name in one.operators if name not in _BEGINNINGS)
     told = ", ".join(f"{count} by {name}" for name, count in operators.most_common())
     parts.append(paragraph(f"The champion, number {line[0].number}, has {len(line) - 1} ancestors in the line of fitter parents, back "
                            f"to number {line[-1].number} of generation {line[-1].generation}. Changes in that line: {told or 'none'}."))

@@ -18,9 +18,11 @@ def table(caption: str, head: Sequence[str], rows: Iterable[Sequence[object]], s
         f'<tr><th scope="row">{text(first)}</th>{"".join(f"<td>{text(value)}</td>" for value in rest)}</tr>' for first, *rest in rows
     )
     names = "".join(f'<th scope="col">{text(name)}</th>' for name in head)
-    hidden = "" if shown else ' class="spoken"'
+    seen = f'<p class="caption" aria-hidden="true">{text(caption)}</p>' if shown else ""  # it stays where the table scrolls
+    wide = ' class="wide"' if len(head) > 3 else ""
     return (
-        f'<div class="scrolls" tabindex="0" role="region" aria-label="{text(caption)}"><table><caption{hidden}>{text(caption)}</caption>'
+        f'{seen}<div class="scrolls" tabindex="0" role="region" aria-label="{text(caption)}">'
+        f'<table{wide}><caption class="spoken">{text(caption)}</caption>'
         f"<thead><tr>{names}</tr></thead><tbody>{body}</tbody></table></div>"
     )
 
