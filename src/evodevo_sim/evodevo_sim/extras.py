@@ -7,7 +7,7 @@ _EXTRAS = {
     "matplotlib": "view", "mpl_toolkits": "view", "rerun": "view", "rerun_cli": "view", "rerun_bindings": "view",
     "mcap": "ros", "mcap_ros2": "ros", "zstandard": "ros", "rich": "ros", "tqdm": "ros",
     "rclpy": "ros", "ament_index_python": "ros", "builtin_interfaces": "ros", "geometry_msgs": "ros", "rcl_interfaces": "ros",
-    "std_msgs": "ros", "std_srvs": "ros",
+    "sensor_msgs": "ros", "std_msgs": "ros", "std_srvs": "ros", "visualization_msgs": "ros",
 }
 
 

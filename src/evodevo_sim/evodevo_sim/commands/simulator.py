@@ -18,6 +18,7 @@ names in the namespace:
             reset     std_srvs/srv/Trigger        back to birth, held if it was
   topics    body, cell_states                     of the live animat; body is latched
             actuation                             what its muscles are told, each control step, where somebody listens
+            drawn/cells, drawn/markers, drawn/pose   the same for RViz, Foxglove and others, where somebody listens
             target_pose (subscribed)              geometry_msgs/PoseStamped; the last good one holds
 
 parameters, e.g. -p publish_every:=4

@@ -15,6 +15,7 @@ from rclpy.serialization import serialize_message
 
 from ..ros.topics import EVENTS, Quality, role_of
 from .definitions import RecordingError, definition, type_hash, type_name
+from .drawn import Drawn
 
 _CHUNK = 128 * 1024  # bytes of messages that share a compressed chunk
 _LAST_MESSAGE = 2.0  # s for the message that is being written when the process is ended
@@ -45,13 +46,15 @@ class Recorder:
     asks the disk to keep it: a power cut takes what was written in the last second, and what a slow disk had not kept by then.
     Any thread may write.
 
-    Args: directory: made anew, with its parents.  Raises RecordingError where it exists or cannot be written.
+    Args: directory: made anew, with its parents; drawn: whether to write beside cells what public tools draw.
+    Raises RecordingError where it exists or cannot be written.
     """
 
-    def __init__(self, directory: str | os.PathLike):
+    def __init__(self, directory: str | os.PathLike, drawn: bool = True):
         self.directory = Path(directory)
         self._name = f"{self.directory.resolve().name}_0.mcap"
         self._channels: dict[str, dict] = {}
+        self._drawn = Drawn() if drawn else None
         self._first, self._last = 2**63, 0
         try:
             self.directory.mkdir(parents=True)
@@ -80,15 +83,19 @@ class Recorder:
         Args: topic: absolute, or below `/`, of any name; one that ends as in `ros.topics` has the quality of service from there;
             message: of any ROS type; stamp: ns.
         """
-        data = serialize_message(message)
         with self._lock, self._one_line_errors():
             if self._failed:
                 raise self._failed
-            channel = self._channels.get(topic) or self._add_channel(topic, type(message))
-            self._first, self._last = min(self._first, stamp), max(self._last, stamp)
-            channel["count"] += 1
-            self._writer.add_message(channel["id"], stamp, data, stamp, channel["count"])
+            for name, one in ((topic, message), *(self._drawn.of(topic, message) if self._drawn else ())):
+                self._append(name, one, stamp)
         self._waiting.set()
+
+    def _append(self, topic: str, message: Any, stamp: int) -> None:
+        data = serialize_message(message)
+        channel = self._channels.get(topic) or self._add_channel(topic, type(message))
+        self._first, self._last = min(self._first, stamp), max(self._last, stamp)
+        channel["count"] += 1
+        self._writer.add_message(channel["id"], stamp, data, stamp, channel["count"])
 
     def flush(self) -> None:
         """Put what was written into the file, where it survives the end of this process."""
@@ -100,9 +107,9 @@ class Recorder:
         """Flush what waits, again and again, and have the disk keep it."""
         while True:
             self._waiting.wait()
+            self._waiting.clear()  # before looking at the end: who ends sets it after that, and it must not be lost
             if self._ending.wait(_KEEP_WITHIN):
                 return
-            self._waiting.clear()
             try:
                 self.flush()
                 self._sync()
