@@ -1,5 +1,9 @@
 """Layouts of the viewer by purpose: what each shows is what happened, to the last bit where it can be."""
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 import recordings
@@ -190,6 +194,30 @@ def test_a_run_is_watched_into_a_file(tmp_path):
     rows, layouts = entities(tmp_path / "a.rrd")
     assert rows["/evolution/best"] == sum(isinstance(message, msg.GenerationStatistics) for message in messages) == 5
     assert rows["/gallery/cells"] == sum(isinstance(message, msg.Champion) for message in messages) > 1 and layouts == 1
+
+
+def evolving(directory, *more):
+    environment = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    command = [sys.executable, "-m", "evodevo_ga.evolve", "--population", "8", "--cells", "8", "--generations", "2", "--simulators", "1"]
+    return subprocess.run(
+        [*command, "--set", "control_steps=60", "--out", directory / "run", *more], capture_output=True, text=True, timeout=180.0,
+        env=environment,
+    )
+
+
+def test_evolve_is_watched_into_a_file_and_its_champions_are_the_same(tmp_path):
+    done = evolving(tmp_path, "--view", tmp_path / "a.rrd", "--seed", "3")
+    assert done.returncode in (0, 1), done.stderr
+    rows, layouts = entities(tmp_path / "a.rrd")
+    recording = read_recording(tmp_path / "run")
+    assert rows["/evolution/best"] == len(recording.statistics) == 2 and layouts == 1
+    assert rows.get("/gallery/names", 0) <= len(recording.champions)
+
+
+def test_evolve_without_a_display_begins_nothing(tmp_path):
+    done = evolving(tmp_path, "--view")
+    assert done.returncode == 2 and "no display for --view" in done.stderr and done.stderr.count("\n") == 1
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_picture_that_fails_ends_no_run(tmp_path, capsys):

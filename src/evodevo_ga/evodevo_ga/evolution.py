@@ -124,10 +124,14 @@ class Evolution:
 
     def state(self) -> dict[str, Any]:
         """All that the run is after its last generation, as plain data that JSON carries without the loss of a bit."""
+        genomes = {"start": [plain_genome(genome) for genome in self.start]}
+        return self.progress() | genomes | {"population": [plain_individual(one) for one in self.population]}
+
+    def progress(self) -> dict[str, Any]:
+        """`state` without its `start` and `population`."""
         return {
             "version": _STATE, "scheme": self.scheme, "settings": dataclasses.asdict(self.settings), "seed": self.seed,
-            "start": [plain_genome(genome) for genome in self.start], **{name: getattr(self, name) for name in _COUNTERS},
-            "population": [plain_individual(one) for one in self.population], "search": self.search.state(),
+            **{name: getattr(self, name) for name in _COUNTERS}, "search": self.search.state(),
         }
 
     @classmethod
