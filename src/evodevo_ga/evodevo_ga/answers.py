@@ -1,39 +1,32 @@
-"""One look at every answer of a simulator, or of whatever stands in its place, before anything rests on it."""
+"""One look at every answer of a worker, or of whatever stands in its place, before anything rests on it."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
-from typing import Any
+from collections.abc import Sequence
 
-from evodevo_sim.ros.barrier import brief
-from evodevo_sim.ros.messages import evaluation_from_message
+from evodevo_sim.inputs import one_line, shown
 from evodevo_sim.tasks.outcome import FAILURE, Metrics, Steering
 
 from evodevo_sim import Evaluation
+
+from .backends.contract import AnswerError
 
 _NUMBERS = [field.name for field in dataclasses.fields(Metrics) if field.name != "steering"]
 _STEERING = [field.name for field in dataclasses.fields(Steering)]
 
 
-class AnswerError(ValueError):
-    """An answer on which nothing can rest; the message says why, in one line."""
+def looked_at(evaluations: Sequence[Evaluation], count: int) -> list[Evaluation]:
+    """The evaluations of an answer to `count` genomes, causes of any length made brief.  Raises AnswerError."""
+    if len(evaluations) != count:
+        raise AnswerError(f"it answers {len(evaluations)} evaluations for {count} genomes")
+    return [_sound(evaluation) for evaluation in evaluations]
 
 
-def look_at(response: Any, count: int) -> list[Evaluation]:
-    """The evaluations of an answer to a request of `count` genomes.  Raises AnswerError."""
-    if response.error:
-        raise AnswerError(brief(response.error))
-    if len(response.evaluations) != count:
-        raise AnswerError(f"it answers {len(response.evaluations)} evaluations for {count} genomes")
-    return [_evaluation(message) for message in response.evaluations]
-
-
-def _evaluation(message) -> Evaluation:
-    try:
-        evaluation = evaluation_from_message(message)
-    except ValueError:
-        raise AnswerError(f"it answers a status of {message.status}, which is unknown") from None
+def _sound(evaluation: Evaluation) -> Evaluation:
+    if not isinstance(evaluation, Evaluation):
+        raise AnswerError(f"it answers {shown(evaluation)} for an evaluation")
     fitness, status, cause, metrics = evaluation.fitness, evaluation.status, evaluation.cause, evaluation.metrics
     if not math.isfinite(fitness):
         raise AnswerError(f"it answers a fitness of {fitness}")
@@ -46,7 +39,7 @@ def _evaluation(message) -> Evaluation:
         raise AnswerError(
             f"it answers a fitness of {fitness:g} {'with' if cause else 'without'} a cause of failure for the status {status.name}"
         )
-    return evaluation if len(cause) <= 300 else dataclasses.replace(evaluation, cause=brief(cause))
+    return evaluation if len(cause) <= 300 else dataclasses.replace(evaluation, cause=one_line(cause))
 
 
 def alike(one: Evaluation, other: Evaluation) -> bool:

@@ -17,3 +17,10 @@ def evolve() -> Main:
     from .evolve_command import main
 
     return main
+
+
+@command
+def status() -> Main:
+    from .status import main
+
+    return main

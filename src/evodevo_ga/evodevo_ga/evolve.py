@@ -21,10 +21,10 @@ from rclpy.experimental import EventsExecutor
 
 from .arguments import Options, parse
 from .auditor import Auditor
-from .fleet import FleetError
 from .keeping.errors import KeepingError, ResumeError
 from .keeping.lock import Lock, refuse_if_held
 from .keeping.sessions import Sessions
+from .pool.driver import PoolError
 from .run.loop import Run
 from .run.recorded import Recorded, recorded_in
 from .times import START, Times
@@ -61,7 +61,7 @@ def evolve(options: Options, arguments: list[str]) -> int:
             recorded = recorded_in(options.out)
             _refuse_finished(options, recorded)
             return _run(options, arguments, recorded)
-    except (EnvironmentFault, OutputError, RecordingError, FleetError, KeepingError, ResumeError) as error:
+    except (EnvironmentFault, OutputError, RecordingError, PoolError, KeepingError, ResumeError) as error:
         print(f"evolve: {error}", file=sys.stderr)
         return 2
 

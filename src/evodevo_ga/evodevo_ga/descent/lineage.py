@@ -65,8 +65,8 @@ def lineage(individuals: pa.Table, number: int) -> Lineage:
                 ahead.append(above)
     chosen = np.array(sorted(rows))
     fitness, line = individuals["fitness"].to_numpy(), [_row(numbers, number)]
-    while above := [_row(numbers, parent) for parent in parents[offsets[line[-1]] : offsets[line[-1] + 1]].tolist()]:
-        line.append(max(above, key=lambda row: fitness[row]))
+    while both := [_row(numbers, parent) for parent in parents[offsets[line[-1]] : offsets[line[-1] + 1]].tolist()]:
+        line.append(max(both, key=lambda row: fitness[row]))
     columns = {name: individuals[name].take(chosen) for name in ("generation", "fitness", "cells", "elements", "operators")}
     made = [tuple(names) for names in columns.pop("operators").to_pylist()]
     found = {name: column.to_numpy() for name, column in columns.items()}

@@ -108,7 +108,10 @@ TARGET_POSE = Topic(
 )
 SCENE = Topic("scene", msg.Scene, LATCHED, "", "the world of a walk by `simulate`", "scene")
 GAIT = Topic("gait", msg.Gait, LATCHED, "", "what `evolve` found the motion to be", "gait")
-TOPICS = (SETTINGS, STATISTICS, CHAMPION, AUDIT, GROWTH_BODY, GROWTH_STATES, BODY, CELL_STATES, ACTUATION, TARGET_POSE, SCENE, GAIT)
+WORKER = Topic(
+    "worker", msg.Worker, LATCHED, "simulator", "who evaluates, and how it does, each second where somebody listens", "worker", animat=False,
+)
+TOPICS = (SETTINGS, STATISTICS, CHAMPION, AUDIT, GROWTH_BODY, GROWTH_STATES, BODY, CELL_STATES, ACTUATION, TARGET_POSE, SCENE, GAIT, WORKER)
 
 # What public tools draw by themselves, made of the above (`ros.drawn`).  Their default is to ask for what is reliable.
 DRAWN_CELLS = Topic("drawn/cells", PointCloud2, COMMAND, "simulator", "the cells as points: x, y, z, activation, rgb; each step")

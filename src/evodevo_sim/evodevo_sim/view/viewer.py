@@ -52,7 +52,9 @@ def save(
         stream = rerun.RecordingStream("evodevo" if purpose == "watch" else f"evodevo {purpose}")  # the viewer keeps a layout for each
         try:
             stream.save(path)
-            stream.send_blueprint(log_purpose(stream, recording, life, purpose, step, palette, cell))
+            layout = log_purpose(stream, recording, life, purpose, step, palette, cell)
+            if stream.get_application_id() is not None:  # none where Rerun is switched off after all
+                stream.send_blueprint(layout)
         finally:
             stream.disconnect()
     if not os.path.getsize(path):
