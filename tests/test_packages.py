@@ -81,6 +81,7 @@ def test_requirements_for_pip_bring_what_a_package_imports(package):
     names |= {"pyarrow": "rerun-sdk"} if package == "evodevo_sim" else {}
     names |= dict.fromkeys(("rerun_cli", "rerun_bindings"), "rerun-sdk") | {"llvmlite": "numba", "rclpy": "ros-jazzy-rclpy"}
     of_ros = {"ament_index_python", "builtin_interfaces", "evodevo_msgs", "geometry_msgs", "rcl_interfaces", "std_msgs", "std_srvs"}
+    of_ros |= {"sensor_msgs", "visualization_msgs"}
     assert {names.get(name, name).replace("_", "-") for name in imported(package) - of_ros} <= brought
 
 

@@ -10,13 +10,16 @@ setup(
     version=ElementTree.parse("package.xml").findtext("version"),
     packages=find_packages(exclude=["test"]),
     package_data={
-        package_name: ["ros/discovery.xml", "py.typed", "recording/before/*.msg", "champions/*.yaml", "view/film/*.css", "view/film/*.js"],
+        package_name: [
+            "ros/discovery.xml", "py.typed", "recording/before/*.msg", "champions/*.yaml", "layouts/*", "view/film/*.css", "view/film/*.js",
+        ],
     },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
         (f"share/{package_name}", ["package.xml"]),
         (f"share/{package_name}/champions", sorted(glob("champions/*.yaml"))),
         (f"share/{package_name}/completion", sorted(glob("completion/*"))),
+        (f"share/{package_name}/layouts", sorted(glob(f"{package_name}/layouts/*"))),
         (f"share/{package_name}/launch", sorted(glob("launch/*.launch.py"))),
     ],
     install_requires=["numpy>=2", "numba", "PyYAML"],
@@ -43,6 +46,7 @@ setup(
             "figure = evodevo_sim.commands.entry:figure",
             "film = evodevo_sim.commands.entry:film",
             "gait = evodevo_sim.commands.entry:gait",
+            "info = evodevo_sim.commands.entry:info",
             "replay = evodevo_sim.commands.entry:replay",
             "chase = evodevo_sim.commands.entry:chase",
             "request = evodevo_sim.commands.entry:request",

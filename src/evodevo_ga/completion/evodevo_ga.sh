@@ -7,7 +7,7 @@ _evodevo_words_evodevo_ga() {
         "descent --number") echo "<any>" ;;
         "descent --out") echo "<files>" ;;
         "descent -o") echo "<files>" ;;
-        "evolve ") echo "--age-gap --cells --crossover --deletion --duplication --elite --evaluations --extent --flip --founders --generations --give-up-after --help --hours --layers --look --niches --out --patience --point-decades --point-mutation --point-scale --population --preset --quiet --resume --run-length --scent-extent --scent-mutation --scheme --seed --set --simulators --start --start-share --starts --task --threads --tournament --units --world" ;;
+        "evolve ") echo "--age-gap --cells --crossover --deletion --duplication --elite --evaluations --extent --flip --founders --generations --give-up-after --help --hours --layers --look --niches --out --patience --point-decades --point-mutation --point-scale --population --preset --quiet --resume --run-length --scent-extent --scent-mutation --scheme --seed --set --simulators --start --start-share --starts --task --threads --tournament --units --view --world" ;;
         "evolve --age-gap") echo "<any>" ;;
         "evolve --cells") echo "<any>" ;;
         "evolve --crossover") echo "<any>" ;;
@@ -46,6 +46,7 @@ _evodevo_words_evodevo_ga() {
         "evolve --threads") echo "<any>" ;;
         "evolve --tournament") echo "<any>" ;;
         "evolve --units") echo "<any>" ;;
+        "evolve --view") echo "<files>" ;;
         "evolve --world") echo "flat slope steps rough obstacles gap <files>" ;;
         "report ") echo "--help --out --palette -o" ;;
         "report -") echo "<files>" ;;

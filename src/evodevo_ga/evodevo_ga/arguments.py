@@ -79,6 +79,7 @@ class Options:
     limits: Limits = NONE
     sources: tuple[str, ...] = ()  # of the start genomes
     resumed: Resumed | None = None  # the run that goes on
+    view: str | None = None  # the Rerun file of who watches, or nothing for the viewer; None: nobody does
 
 
 def parse(arguments: list[str]) -> Options:
@@ -110,6 +111,8 @@ def parse(arguments: list[str]) -> Options:
     parser.add_argument("--evaluations", type=whole_number, metavar="N", help="end at the generation that brings their number to N")
     hours = "end at the first generation that ends after so many hours of wall time, all sessions of the run together"
     parser.add_argument("--hours", type=real_number, metavar="H", help=hours)
+    seen = "watch the run in the Rerun viewer, or without a display into a file for it"
+    parser.add_argument("--view", nargs="?", const="", metavar="FILE.rrd", help=seen)
     parser.add_argument("--quiet", action="store_true", help="no progress bar, and no table of times")
     group = parser.add_argument_group("genetic algorithm")
     group.add_argument(
@@ -161,7 +164,7 @@ def parse(arguments: list[str]) -> Options:
 
 def _how(given: Any) -> dict[str, Any]:
     """What decides how a run is worked on, and no bit of it."""
-    return {name: getattr(given, name) for name in ("simulators", "look", "quiet", "threads", "give_up_after")}
+    return {name: getattr(given, name) for name in ("simulators", "look", "quiet", "threads", "give_up_after", "view")}
 
 
 def _check_numbers(parser: Parser, given: Any) -> None:

@@ -1,7 +1,7 @@
 # What can stand after `ros2 run evodevo_sim`; made by scripts/completion.py.
 _evodevo_words_evodevo_sim() {
     case "$1 $2" in
-        " ") echo "audit chase figure film gait replay request simulate simulator turning" ;;
+        " ") echo "audit chase figure film gait info replay request simulate simulator turning" ;;
         "audit ") echo "--help --set --task --within" ;;
         "audit -") echo "<files>" ;;
         "audit --set") echo "<any>" ;;
@@ -45,12 +45,16 @@ _evodevo_words_evodevo_sim() {
         "gait --out") echo "<files>" ;;
         "gait --palette") echo "paper safe" ;;
         "gait --set") echo "<any>" ;;
-        "replay ") echo "--help --no-viewer --palette --picture --png --save" ;;
+        "info ") echo "--help --json" ;;
+        "info -") echo "<files>" ;;
+        "replay ") echo "--cell --help --no-viewer --palette --picture --png --save --show" ;;
         "replay -") echo "<files>" ;;
+        "replay --cell") echo "<any>" ;;
         "replay --palette") echo "paper safe" ;;
         "replay --picture") echo "<files>" ;;
         "replay --png") echo "<files>" ;;
         "replay --save") echo "<files>" ;;
+        "replay --show") echo "watch grow think evolve" ;;
         "request ") echo "--help --real-time-factor --service --set --task" ;;
         "request -") echo "<files>" ;;
         "request --real-time-factor") echo "<any>" ;;

@@ -41,6 +41,13 @@ def gait() -> Main:
 
 
 @command
+def info() -> Main:
+    from .info import main
+
+    return main
+
+
+@command
 def replay() -> Main:
     from .replay import main
 

@@ -23,6 +23,7 @@ names in the namespace:
   topics    body, cell_states                     of the live animat; body is latched
             actuation                             what its muscles are told, each control step, where somebody listens
             worker                                who it is and how it evaluates; ros2 run evodevo_ga status shows it
+            drawn/cells, drawn/markers, drawn/pose   the same for RViz, Foxglove and others, where somebody listens
             target_pose (subscribed)              geometry_msgs/PoseStamped; the last good one holds
 
 parameters, e.g. -p publish_every:=4

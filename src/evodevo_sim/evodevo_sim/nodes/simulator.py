@@ -22,6 +22,7 @@ from ..ros.requests import ENDING
 from ..ros.topics import ACTUATION, BODY, CELL_STATES, TARGET_POSE
 from ..task_kinds import names
 from ..tasks.evaluation import prepare
+from .drawn import DrawnTopics
 from .evaluations import Evaluations
 
 
@@ -51,6 +52,7 @@ class Simulator(Node):
         self._body = self.create_publisher(BODY.type, BODY.name, BODY.quality)
         self._states = self.create_publisher(CELL_STATES.type, CELL_STATES.name, CELL_STATES.quality)
         self._actuation = self.create_publisher(ACTUATION.type, ACTUATION.name, ACTUATION.quality)
+        self._drawn = DrawnTopics(self, self._frame)
         self._shown = None
         self._stage = Stage(self._show, self._report, every, self._act)
         self._callbacks.subscription(TARGET_POSE.type, TARGET_POSE.name, self._aim, TARGET_POSE.quality)
@@ -144,6 +146,7 @@ class Simulator(Node):
             self._states.publish(
                 cell_states_message(animat.position, animat.velocity, animat.activation, animat.steps, animat.time, self._frame)
             )
+        self._drawn.show(animat)
 
     def _act(self, animat):
         """In the stage's thread, after each control step: publish what the muscles were told in it, if somebody listens."""
