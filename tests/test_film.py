@@ -10,12 +10,14 @@ import numpy as np
 import pytest
 from browser import missing, visit
 from evodevo_sim.commands import film as command
+from evodevo_sim.parameters import default_task
 from evodevo_sim.recording import read_recording
 from evodevo_sim.recording.life import Life, Pose, life_of
 from evodevo_sim.view.film.clock import clock_of, frames_of
 from evodevo_sim.view.film.packing import LEVELS, kept, pack, padded
 from evodevo_sim.view.film.raster import Painter, smooth
 from evodevo_sim.view.sources import life_of_performance, shown_of
+from evodevo_sim.worlds import with_world
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
@@ -115,6 +117,21 @@ def test_a_run_without_a_life_is_shown_by_its_champion(tmp_path):
     said = []
     shown = shown_of(write(tmp_path / "run", lived=False), say=said.append)
     assert len(shown.life.time) == TASK.control_steps + 1 and "lives anew" in said[-1]
+
+
+def test_targets_that_change_and_a_world_with_a_ceiling_are_packed_and_drawn(bag):
+    recorded = life_of(read_recording(bag))
+    target = np.full((len(recorded.time), 2), np.nan)
+    target[10:20], target[20:] = (3.0, 1.0), (-4.0, 2.0)
+    scene = with_world(default_task("walk"), "gap").scene
+    made = replace(recorded, target=target, reach=9.0, scene=scene)
+    packed = pack(made)["life"]
+    assert packed["target"] == [[0, None, None], [10, 3.0, 1.0], [20, -4.0, 2.0]] and len(packed["surfaces"]) == 2
+    plain, painter = Painter(recorded, 320, "safe"), Painter(made, 320, "safe")
+    for step in (0, len(made.growth) + 5, painter.steps - 1):
+        assert painter.draw(step).size == plain.draw(step).size == painter.size
+    starred, bare = (np.asarray(one.draw(one.steps - 1)) == (132, 92, 196) for one in (painter, plain))
+    assert starred.all(axis=-1).any() and not bare.all(axis=-1).any()
 
 
 # --- in the browser --------------------------------------------------------------------------------------------------------
