@@ -50,7 +50,7 @@ def report_page(runs: Sequence[Run], palette: str = "safe", say: Callable[[str],
         parts.append("</section>")
     parts.append("</main>")
     own = Path(__file__).with_name("report.css").read_text(encoding="utf-8")
-    return whole_page(title, "\n".join(parts), [asset("page.css"), asset("player.css"), own], [asset("player.js")])
+    return whole_page(title, "\n".join(parts), [asset("page.css"), asset("player.css"), own], [asset("picture.js"), asset("player.js")])
 
 
 def named(runs: Sequence[Run]) -> list[str]:

@@ -30,7 +30,7 @@ def whole_page(title: str, body: str, styles: Sequence[str] = (), scripts: Seque
 
 
 def film_figure(document: dict[str, Any], title: str, about: str = "", alone: bool = False, level: int = 2) -> str:
-    """A film as a part of a page that has player.css and player.js.
+    """A film as a part of a page that has player.css, picture.js and player.js.
 
     Args: document: of `packing.pack`; about: a line below the title; alone: whether it plays at once, and hears all keys of the
         page; level: of its heading.
@@ -59,4 +59,4 @@ def label_of(document: dict[str, Any], title: str) -> str:
 def film_page(document: dict[str, Any], title: str, about: str = "") -> str:
     """A page that is a film alone."""
     body = f"<main>{film_figure(document, title, about, alone=True, level=1)}</main>"
-    return whole_page(title, body, [asset("page.css"), asset("player.css")], [asset("player.js")])
+    return whole_page(title, body, [asset("page.css"), asset("player.css")], [asset("picture.js"), asset("player.js")])
