@@ -27,6 +27,7 @@ ROOMS = (
     ("lazy", "packages that import what they offer when it is asked for", ""),
     ("kernels", "how compiled code is made, cached and put into vector registers", ""),
     ("profiles", "heights of ground and ceiling, as numbers", ""),
+    ("palettes", "colours of cells by their activation", "Figs. 3-5"),
     ("task_kinds", "the one table of tasks: swim, walk, chemotaxis, yours", "4"),
     ("parameters", "every number of the model, with unit and range", ""),
     ("worlds", "grounds to walk on: presets and files", "4.1"),

@@ -42,4 +42,17 @@ export ROS_AUTOMATIC_DISCOVERY_RANGE="${ROS_AUTOMATIC_DISCOVERY_RANGE:-LOCALHOST
 if [ -e "$_evodevo_setup" ]; then
     . "$_evodevo_setup"
 fi
+
+# What the tabulator completes after `ros2 run`, where a person types.
+case "$-" in
+    *i*)
+        for _evodevo_file in evodevo_sim/share/evodevo_sim/completion/evodevo_sim.sh evodevo_ga/share/evodevo_ga/completion/evodevo_ga.sh \
+            "evodevo_sim/share/evodevo_sim/completion/evodevo.${ZSH_VERSION:+z}${BASH_VERSION:+ba}sh"; do
+            if [ -e "$_evodevo_root/ros_ws/install/$_evodevo_file" ]; then
+                . "$_evodevo_root/ros_ws/install/$_evodevo_file"
+            fi
+        done
+        unset _evodevo_file
+        ;;
+esac
 unset _evodevo_here _evodevo_root _evodevo_venv _evodevo_setup

@@ -9,7 +9,7 @@ import re
 from pathlib import Path
 
 from evodevo_sim.recording.definitions import type_name
-from evodevo_sim.ros.topics import TOPICS
+from evodevo_sim.ros.topics import DRAWN, TOPICS
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "reference" / "messages.md"
 _PLACE = re.compile(r"(?<=<!-- topics -->\n).*?(?=<!-- end of topics -->)", re.DOTALL)
@@ -18,8 +18,9 @@ _PLACE = re.compile(r"(?<=<!-- topics -->\n).*?(?=<!-- end of topics -->)", re.D
 def table() -> str:
     """The table, as Markdown."""
     rows = [("topic", "type", "service", "published by", "in `Recording`", "what")]
-    for topic in TOPICS:
-        where = f"`{topic.attribute}`, " + ("of each life" if topic.lives else "all" if topic.many else "the last")
+    for topic in (*TOPICS, *DRAWN):
+        kept = "of each life" if topic.lives else "all" if topic.many else "the last"
+        where = f"`{topic.attribute}`, {kept}" if topic.attribute else "not read"
         kind = f"`{type_name(topic.type).replace('/msg/', '/')}`"
         rows.append((f"`{topic.name}`", kind, topic.service.name, f"`{topic.by}`" if topic.by else "recorded only", where, topic.what))
     lines = ["| " + " | ".join(row) + " |" for row in rows]

@@ -37,6 +37,7 @@ BUSY = {
     "audit": [CHAMPIONS / "ribbon.yaml", "--set", "control_steps=100000"],
     "chase": [CHAMPIONS / "seeker.yaml", "--each", "1000", "--capture", "0.001", "--out", "{}/a bag"],
     "evolve": ["--generations", "100000", "--simulators", "1", "--out", "{}/a run"],
+    "film": [CHAMPIONS / "ribbon.yaml", "--set", "control_steps=100000", "-o", "{}/a.html"],
     "gait": [CHAMPIONS / "ribbon.yaml", "--set", "control_steps=100000", "--out", "{}/gait.png"],
     "replay": [BAGS / "sample-chemotaxis", "--no-viewer", "--save", "{}/a.rrd", "--png", "{}/a.png"],
     "simulate": ["{}/body.yaml", "--duration", "100000", "--out", "{}/a bag", "--npz", "{}/a.npz"],
@@ -117,7 +118,7 @@ def test_ctrl_c_at_any_moment_ends_every_command_in_good_order(tmp_path):
         for named in re.findall(r"replay (.*)", out):
             assert all(Path(directory, path).is_dir() for path in shlex.split(named)), case
         kept = {path.name for path in directory.iterdir()} - {"body.yaml"}
-        assert kept <= {"a bag", "a run", "a.rrd", "a.png", "bags"}, case  # no halves
+        assert kept <= {"a bag", "a run", "a.rrd", "a.png", "a.html", "bags"}, case  # no halves
         for recording in kept & {"a bag", "a run"}:
             assert (directory / recording / "metadata.yaml").exists(), case
     assert all(heard[name] >= 5 for name in BUSY), heard

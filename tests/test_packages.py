@@ -33,6 +33,7 @@ KEYS = {
     "scipy": "python3-scipy", "tqdm": "python3-tqdm", "yaml": "python3-yaml", "zstandard": "python3-zstandard",
     "rosbags": "python3-rosbags-pip", "rerun": None, "rerun_cli": None, "rerun_bindings": None, "pyarrow": None,
     "serial": "python3-serial", "cobs": None,
+    "PIL": "python3-pil", "av": None,
 }
 
 
@@ -74,12 +75,14 @@ def test_requirements_for_pip_bring_what_a_package_imports(package):
     given = setup_of(package)
     named = {Requirement(one) for group in (given["install_requires"], *given["extras_require"].values()) for one in group}
     brought = {one.name.lower().replace("_", "-") for one in named} | ({"evodevo-sim"} & {package.replace("_", "-")})
+    brought |= {"PIL"} if "pillow" in brought else set()
     if any("ros" in one.extras for one in named):  # those of the other package's extra
         brought |= {Requirement(one).name for one in setup_of("evodevo_sim")["extras_require"]["ros"]}
     names = {"mcap_ros2": "mcap-ros2-support", "yaml": "pyyaml", "mpl_toolkits": "matplotlib", "rerun": "rerun-sdk"}
     names |= {"pyarrow": "rerun-sdk"} if package == "evodevo_sim" else {}
     names |= dict.fromkeys(("rerun_cli", "rerun_bindings"), "rerun-sdk") | {"llvmlite": "numba", "rclpy": "ros-jazzy-rclpy"}
     of_ros = {"ament_index_python", "builtin_interfaces", "evodevo_msgs", "geometry_msgs", "rcl_interfaces", "std_msgs", "std_srvs"}
+    of_ros |= {"sensor_msgs", "visualization_msgs"}
     assert {names.get(name, name).replace("_", "-") for name in imported(package) - of_ros} <= brought
 
 

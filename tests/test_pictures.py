@@ -167,10 +167,10 @@ def test_the_view_of_activation_shows_some_beats_at_a_time(whole):
     life.activation[:] = np.sin(2 * np.pi * np.arange(len(life.time)) / 10)[:, None]
     period = 10 * (life.time[1] - life.time[0])
     assert period_of(life, contrasting_cells(life.activation)) == pytest.approx(period, rel=0.1)
-    window = views._some_beats(life)
+    window = views.some_beats(life)
     assert (window is None) == (8 * period_of(life, contrasting_cells(life.activation)) >= life.time[-1] - life.time[0])
     life.activation[:] = 0.0  # no beat: the whole life
-    assert views._some_beats(life) is None
+    assert views.some_beats(life) is None
 
 
 def test_whatever_we_recommend_for_rerun_files_keeps_to_this_host():

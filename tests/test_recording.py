@@ -16,6 +16,7 @@ import recordings
 import yaml
 from evodevo_sim.recording import Recorder, RecordingError, read_recording, record_performance, writer
 from evodevo_sim.recording.definitions import definition
+from evodevo_sim.recording.drawn import Drawn
 from evodevo_sim.ros.messages import cell_states_message
 from std_msgs.msg import String
 
@@ -34,8 +35,10 @@ def written(tmp_path_factory):
     """(topic, message, stamp) of every message of a run and a life, in order."""
 
     class Sink(list):
+        drawn = Drawn()
+
         def write(self, topic, message, stamp):
-            self.append(("/" + topic, message, stamp))
+            self += [("/" + name, one, stamp) for name, one in ((topic, message), *self.drawn.of(topic, message))]
 
     sink = Sink()
     for topic, message, stamp in recordings.run_messages():
@@ -55,6 +58,8 @@ def plain(message):
         return {name: plain(getattr(message, name)) for name in message.__slots__ if not name.startswith("_")}
     if isinstance(message, (bytes, bytearray)):
         return list(message)
+    if isinstance(message, list) and message and not isinstance(message[0], (int, float, str)):
+        return [plain(one) for one in message]
     return np.asarray(message).tolist()
 
 
@@ -138,6 +143,24 @@ def test_metadata_is_what_rosbag2_asks_for(run, written):
         assert topic["topic_metadata"]["type_description_hash"].startswith("RIHS01_")
         [quality] = topic["topic_metadata"]["offered_qos_profiles"]
         assert (quality["durability"] == "transient_local") == topic["topic_metadata"]["name"].endswith(("body", "settings"))
+
+
+def test_a_recording_that_ends_just_when_its_keeper_wakes_does_not_wait_for_ever(tmp_path):
+    class Ending(threading.Event):
+        def wait(self, timeout=None):
+            if self.is_set():
+                return True
+            self.set()  # as `close` does, between the end of the keeper's wait and what it does next
+            recorder._waiting.set()
+            return False
+
+    recorder = Recorder(tmp_path / "bag")
+    recorder._ending = Ending()
+    recorder.write("evolution/statistics", GenerationStatistics(), 1)
+    recorder._keeper.join(DEADLINE)
+    assert not recorder._keeper.is_alive()
+    recorder.close()
+    assert len(read_recording(tmp_path / "bag").statistics) == 1
 
 
 # --- places --------------------------------------------------------------------------------------------------------------

@@ -312,7 +312,7 @@ def test_a_signal_ends_the_viewer_and_leaves_nothing(bags, tmp_path, number):
     finally:
         process.kill()
         process.wait()
-    assert process.returncode == 128 + number and err == ""
+    assert process.returncode == 128 + number and not err.split("\r")[-1].strip()  # a bar comes where it takes 2 s
     assert list(tmp_path.iterdir()) == []
 
 

@@ -9,7 +9,7 @@ import pytest
 import yaml
 from evodevo_sim.recording import Recorder, Recording
 from evodevo_sim.ros import topics
-from evodevo_sim.ros.topics import TOPICS, namespace_of, role_of
+from evodevo_sim.ros.topics import DRAWN, TOPICS, namespace_of, role_of
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy, qos_profile_sensor_data
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -66,17 +66,19 @@ def test_a_stray_is_seen(source):
 
 
 def test_names_and_attributes_are_unlike_and_recordings_have_them():
-    assert len({topic.name for topic in TOPICS}) == len({topic.attribute for topic in TOPICS}) == len(TOPICS)
+    assert len({topic.name for topic in (*TOPICS, *DRAWN)}) == len(TOPICS) + len(DRAWN)
+    assert len({topic.attribute for topic in TOPICS}) == len(TOPICS) and not any(topic.attribute for topic in DRAWN)
     attributes = {field.name: field for field in dataclasses.fields(Recording)}
-    for topic in TOPICS:
+    for topic in (*TOPICS, *DRAWN):
         for namespace in ("", "/sim_0", "/a/b"):
             assert role_of(topic.at(namespace)) is topic and namespace_of(topic.at(namespace), topic) == namespace
+    for topic in TOPICS:
         assert (attributes[topic.attribute].default_factory is list) == topic.many and (topic.many or not topic.lives)
     named = {value for value in vars(topics).values() if isinstance(value, topics.Topic)}
-    assert named == set(TOPICS)
+    assert named == {*TOPICS, *DRAWN}
 
 
-@pytest.mark.parametrize("topic", TOPICS, ids=lambda topic: topic.name)
+@pytest.mark.parametrize("topic", [*TOPICS, *DRAWN], ids=lambda topic: topic.name)
 def test_a_recording_tells_the_quality_that_nodes_have(topic, tmp_path):
     with Recorder(tmp_path / "bag") as recorder:
         recorder.write(topic.at("/sim_0"), topic.type(), 1)
@@ -98,6 +100,6 @@ def test_the_page_has_the_table_of_the_code():
     text = page.PAGE.read_text(encoding="utf-8")
     assert text == page.with_table(text) and page.table() in text, "run python scripts/topics.py"
     live = [line for line in (ROOT / "README.md").read_text(encoding="utf-8").splitlines() if line.startswith("| `")]
-    for topic in TOPICS:
+    for topic in (*TOPICS, *DRAWN):
         if topic.by in ("simulator", "chase"):
             assert any(line.startswith(f"| `{topic.name}` |") and page.type_name(topic.type) in line for line in live), topic.name

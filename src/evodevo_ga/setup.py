@@ -9,10 +9,11 @@ setup(
     name=package_name,
     version=ElementTree.parse("package.xml").findtext("version"),
     packages=find_packages(exclude=["test"]),
-    package_data={package_name: ["py.typed"]},
+    package_data={package_name: ["py.typed", "report/*.css"]},
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
         (f"share/{package_name}", ["package.xml"]),
+        (f"share/{package_name}/completion", sorted(glob("completion/*"))),
         (f"share/{package_name}/launch", sorted(glob("launch/*.launch.py"))),
     ],
     install_requires=["numpy>=2", "evodevo_sim"],
@@ -30,6 +31,8 @@ setup(
     entry_points={
         "console_scripts": [
             "evolve = evodevo_ga.commands:evolve",
+            "report = evodevo_ga.commands:report",
+            "descent = evodevo_ga.commands:descent",
             "status = evodevo_ga.commands:status",
         ],
     },

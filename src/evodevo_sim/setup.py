@@ -9,11 +9,17 @@ setup(
     name=package_name,
     version=ElementTree.parse("package.xml").findtext("version"),
     packages=find_packages(exclude=["test"]),
-    package_data={package_name: ["ros/discovery.xml", "py.typed", "recording/before/*.msg", "champions/*.yaml"]},
+    package_data={
+        package_name: [
+            "ros/discovery.xml", "py.typed", "recording/before/*.msg", "champions/*.yaml", "layouts/*", "view/film/*.css", "view/film/*.js",
+        ],
+    },
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{package_name}"]),
         (f"share/{package_name}", ["package.xml"]),
         (f"share/{package_name}/champions", sorted(glob("champions/*.yaml"))),
+        (f"share/{package_name}/completion", sorted(glob("completion/*"))),
+        (f"share/{package_name}/layouts", sorted(glob(f"{package_name}/layouts/*"))),
         (f"share/{package_name}/launch", sorted(glob("launch/*.launch.py"))),
     ],
     install_requires=["numpy>=2", "numba", "PyYAML"],
@@ -21,6 +27,7 @@ setup(
         "gaits": ["scipy"],
         "view": ["matplotlib", "rerun-sdk"],
         "hardware": ["pyserial", "cobs"],
+        "view": ["matplotlib", "rerun-sdk", "pillow", "av"],
         "ros": [
             "mcap", "mcap-ros2-support", "zstandard", "rich", "tqdm",
             "ros-jazzy-rclpy>=7.1.4", "ros-jazzy-common-interfaces", "ros-jazzy-rmw-fastrtps-cpp",
@@ -38,7 +45,10 @@ setup(
             "simulator = evodevo_sim.commands.entry:simulator",
             "audit = evodevo_sim.commands.entry:audit",
             "simulate = evodevo_sim.commands.entry:simulate",
+            "figure = evodevo_sim.commands.entry:figure",
+            "film = evodevo_sim.commands.entry:film",
             "gait = evodevo_sim.commands.entry:gait",
+            "info = evodevo_sim.commands.entry:info",
             "replay = evodevo_sim.commands.entry:replay",
             "conform = evodevo_sim.commands.entry:conform",
             "driver = evodevo_sim.commands.entry:driver",

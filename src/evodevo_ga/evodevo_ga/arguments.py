@@ -74,11 +74,12 @@ class Options:
     quiet: bool
     start: tuple[Genome, ...] = ()
     scheme: str = "panmictic"
+    threads: int | None = None  # of each simulator of our own; None: one a core in one, or 1 in each of `simulators`
+    give_up_after: float = 3600.0  # s without a simulator
     limits: Limits = NONE
     sources: tuple[str, ...] = ()  # of the start genomes
     resumed: Resumed | None = None  # the run that goes on
-    threads: int | None = None  # of each simulator of our own; None: one a core in one, or 1 in each of `simulators`
-    give_up_after: float = 3600.0  # s without a simulator
+    view: str | None = None  # the Rerun file of who watches, or nothing for the viewer; None: nobody does
 
 
 def parse(arguments: list[str]) -> Options:
@@ -110,6 +111,8 @@ def parse(arguments: list[str]) -> Options:
     parser.add_argument("--evaluations", type=whole_number, metavar="N", help="end at the generation that brings their number to N")
     hours = "end at the first generation that ends after so many hours of wall time, all sessions of the run together"
     parser.add_argument("--hours", type=real_number, metavar="H", help=hours)
+    seen = "watch the run in the Rerun viewer, or without a display into a file for it"
+    parser.add_argument("--view", nargs="?", const="", metavar="FILE.rrd", help=seen)
     parser.add_argument("--quiet", action="store_true", help="no progress bar, and no table of times")
     group = parser.add_argument_group("genetic algorithm")
     group.add_argument(
@@ -156,10 +159,12 @@ def parse(arguments: list[str]) -> Options:
         parser.error(str(error))
     out = Path(given.out or f"bags/{task.name}-{datetime.now():%Y%m%d-%H%M%S}")
     limits, sources = Limits(given.evaluations, given.hours), tuple(given.start)
-    return Options(
-        task, settings, given.seed, out, given.simulators, given.look, given.quiet, start, name, limits, sources,
-        threads=given.threads, give_up_after=given.give_up_after,
-    )
+    return Options(task, settings, given.seed, out, start=start, scheme=name, limits=limits, sources=sources, **_how(given))
+
+
+def _how(given: Any) -> dict[str, Any]:
+    """What decides how a run is worked on, and no bit of it."""
+    return {name: getattr(given, name) for name in ("simulators", "look", "quiet", "threads", "give_up_after", "view")}
 
 
 def _check_numbers(parser: Parser, given: Any) -> None:
@@ -192,8 +197,8 @@ def _resumed(parser: Parser, given: Any, arguments: list[str]) -> Options:
         parser.error(str(error))
     e = run.evolution
     return Options(
-        run.task, e.settings, e.seed, run.directory, given.simulators, given.look, given.quiet, e.start, e.scheme, run.limits,
-        run.sources, run, given.threads, given.give_up_after,
+        run.task, e.settings, e.seed, run.directory, start=e.start, scheme=e.scheme, limits=run.limits, sources=run.sources, resumed=run,
+        **_how(given),
     )
 
 

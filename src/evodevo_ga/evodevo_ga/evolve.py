@@ -15,6 +15,8 @@ from evodevo_sim.ros.environment import EnvironmentFault, started
 from evodevo_sim.ros.process import stay_on_this_host
 from evodevo_sim.tasks import audit
 from evodevo_sim.tasks.evaluation import prepare
+from evodevo_sim.view.files import OutputError
+from evodevo_sim.view.run_view import RunView
 from rclpy.experimental import EventsExecutor
 
 from .arguments import Options, parse
@@ -59,16 +61,19 @@ def evolve(options: Options, arguments: list[str]) -> int:
             recorded = recorded_in(options.out)
             _refuse_finished(options, recorded)
             return _run(options, arguments, recorded)
-    except (EnvironmentFault, RecordingError, PoolError, KeepingError, ResumeError) as error:
+    except (EnvironmentFault, OutputError, RecordingError, PoolError, KeepingError, ResumeError) as error:
         print(f"evolve: {error}", file=sys.stderr)
         return 2
 
 
 def _run(options: Options, arguments: list[str], recorded: Recorded) -> int:
     stop, times = _Stop(), Times()
+    view = None if options.view is None else RunView(options.out.name, options.task, options.view)  # it may refuse before anything is made
     with ExitStack() as stack:
         recorder = stack.enter_context(GuardedRecorder(options.out, go_on=options.resumed is not None))
         recorder.mend = f"make room, then `ros2 run evodevo_ga evolve --resume {options.out}`"
+        if view is not None:
+            recorder.hearers.append(stack.enter_context(view).hear)
         stack.enter_context(started("evolve", arguments))
         if options.resumed is None:
             stack.enter_context(Lock(options.out))

@@ -5,9 +5,11 @@ from __future__ import annotations
 _EXTRAS = {
     "scipy": "gaits", "serial": "hardware", "cobs": "hardware",
     "matplotlib": "view", "mpl_toolkits": "view", "rerun": "view", "rerun_cli": "view", "rerun_bindings": "view",
+    "av": "view", "PIL": "view",
     "pyarrow": "evodevo_ga[ros]", "mcap": "ros", "mcap_ros2": "ros", "zstandard": "ros", "rich": "ros", "tqdm": "ros",
     "rclpy": "ros", "ament_index_python": "ros", "builtin_interfaces": "ros", "geometry_msgs": "ros", "rcl_interfaces": "ros",
     "std_msgs": "ros", "std_srvs": "ros", "diagnostic_msgs": "ros", "sensor_msgs": "ros",
+    "sensor_msgs": "ros", "std_msgs": "ros", "std_srvs": "ros", "visualization_msgs": "ros",
 }
 
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 _EPILOG = """\
 examples:
-  ros2 run evodevo_sim audit bags/RUN
+  ros2 run evodevo_sim audit bags/sample-swim
       the last champion of a run, in the task that it was evolved for
   ros2 run evodevo_sim audit champion.yaml --set development.max_cells=64
 

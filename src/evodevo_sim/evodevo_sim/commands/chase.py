@@ -13,7 +13,7 @@ from ..view.palettes import add_palette
 
 _EPILOG = """\
 examples:
-  ros2 run evodevo_sim chase bags/RUN
+  ros2 run evodevo_sim chase bags/sample-chemotaxis
       ten random targets around the champion of a run, on a simulator of its own
   ros2 run evodevo_sim chase champion.yaml --targets path.csv --out bags/chase
       the targets that a file draws, a line `x,y` each; the recording is made anew, and replays as any other

@@ -41,8 +41,29 @@ def emulate() -> Main:
 
 
 @command
+def figure() -> Main:
+    from .figure import main
+
+    return main
+
+
+@command
+def film() -> Main:
+    from .film import main
+
+    return main
+
+
+@command
 def gait() -> Main:
     from .gait import main
+
+    return main
+
+
+@command
+def info() -> Main:
+    from .info import main
 
     return main
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 _EPILOG = """\
 examples:
-  ros2 run evodevo_sim gait bags/RUN --out gait.png
+  ros2 run evodevo_sim gait bags/sample-swim --out gait.png
       the gait of the last champion, and a picture of muscles, phases and motion
   ros2 run evodevo_sim gait champion.yaml --set scene.drag_normal=100 --csv cells.csv
   ros2 run evodevo_sim gait bags/MINE

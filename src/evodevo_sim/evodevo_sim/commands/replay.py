@@ -12,17 +12,20 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from ..command_process import if_ended
-from ..ros.command_line import Parser, without_remarks
+from ..ros.command_line import Parser, whole_number, without_remarks
 from ..ros.environment import need_no_graph, without_ros
 from ..view.palettes import add_palette
 
+SHOWS = ("watch", "grow", "think", "evolve")
 _EPILOG = """\
 examples:
   ros2 run evodevo_sim replay
       the newest recording under bags/ in the Rerun viewer; without a display it saves a Rerun file and says where
   ros2 run evodevo_sim replay bags/long --save long.rrd
       keep the Rerun file; `rerun --bind 127.0.0.1 long.rrd` shows it again, here or on another computer
-  ros2 run evodevo_sim replay bags/long --no-viewer --picture long.pdf
+  ros2 run evodevo_sim replay bags/long --show think --cell 7
+      the network of its cells, with the concentrations in cell 7; --show grow, evolve and watch are the others
+  ros2 run evodevo_sim replay bags/sample-swim --no-viewer --picture swim.pdf
       a picture alone: growth, swim, muscles, fitness; it needs no Rerun
 
 A recording is a directory that `evolve` or `ros2 bag record` made, or an .mcap or .db3 file of it; one that was cut off is shown
@@ -38,6 +41,8 @@ def _parse(arguments: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--save", type=Path, metavar="FILE.rrd", help="save a Rerun file")
     says = "save a picture, as its ending .png (1600 pixels wide), .svg or .pdf says"
     parser.add_argument("--picture", "--png", type=Path, metavar="FILE", help=says)
+    parser.add_argument("--show", choices=SHOWS, help="what the viewer is for (default: watch, or evolve of a run without a life)")
+    parser.add_argument("--cell", type=whole_number, metavar="N", help="with --show think: whose concentrations (default: the most active)")
     add_palette(parser)
     only = "only save: what is named, or else a Rerun file as without a display"
     parser.add_argument("--no-viewer", action="store_true", help=only)
@@ -65,7 +70,7 @@ def _replay(options: argparse.Namespace) -> int:
     from ..analysis.stretches import words_of_holes
     from ..recording import RecordingError, read_recording
     from ..recording.life import life_of
-    from ..view import files, viewer
+    from ..view import files, purposes, viewer
     from ..view.summary import name_of
 
     for path, endings in ((options.save, (".rrd",)), (options.picture, files.PICTURES)):
@@ -74,6 +79,8 @@ def _replay(options: argparse.Namespace) -> int:
     source = options.recording or _newest(Path("bags"))
     recording = read_recording(source, progress=True)
     life = life_of(recording)
+    if options.show or not options.picture:
+        purposes.chosen(recording, life, options.show)
     missing = words_of_holes(life.time)
     for line in (*recording.notes, *([missing] if missing else [])):
         print(f"replay: {line}", file=sys.stderr)
@@ -86,7 +93,7 @@ def _replay(options: argparse.Namespace) -> int:
         with tempfile.TemporaryDirectory(prefix="evodevo-") as directory, if_ended(lambda: shutil.rmtree(directory, ignore_errors=True)):
             file = os.path.join(directory, f"{name_of(source)}.rrd")
             with _bar("Preparing") as step:
-                viewer.save(recording, life, file, step, options.palette)
+                viewer.save(recording, life, file, step, options.palette, options.show, options.cell)
             return viewer.show(file)
     if options.no_viewer and options.picture and not options.save:
         return 0
@@ -95,7 +102,7 @@ def _replay(options: argparse.Namespace) -> int:
         return 0
     target = options.save or _beside(source)
     with files.whole(target, ".rrd") as whole, _bar("Saving") as step:
-        viewer.save(recording, life, whole, step, options.palette)
+        viewer.save(recording, life, whole, step, options.palette, options.show, options.cell)
     print(f"Saved {target}.  See it:   {viewer.COMMAND} {shlex.quote(str(target))}", flush=True)
     return viewer.show(target) if opens else 0
 

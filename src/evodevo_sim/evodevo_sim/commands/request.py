@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 SERVICES = ("load", "evaluate")
 _EPILOG = """\
 examples:
+  ros2 run evodevo_sim request bags/sample-swim
   ros2 service call /load evodevo_msgs/srv/Load "$(ros2 run evodevo_sim request bags/RUN)"
       lets the last champion of a run live on the simulator in the namespace /
   ros2 service call /sim_0/evaluate evodevo_msgs/srv/Evaluate "$(ros2 run evodevo_sim request champion.yaml --service evaluate)"

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 _EPILOG = """\
 examples:
-  ros2 run evodevo_sim simulate body.yaml --scene swim --duration 10 --out bags/mine
+  ros2 run evodevo_sim simulate examples/body.yaml --scene swim --duration 10 --out bags/mine
       in steps that follow from the body; the NPZ file, if any, has a frame every 1/60 s
   ros2 run evodevo_sim simulate body.yaml --scene free --duration 10 --dt 0.001 --integrator verlet --out bags/mine --npz mine.npz
       in steps of exactly 1 ms, each of which is a frame of the NPZ file

@@ -8,6 +8,10 @@ from ..ros.command_line import Parser
 from ..ros.environment import EnvironmentFault, check_environment, without_ros
 
 _EPILOG = """\
+examples:
+  ros2 run evodevo_sim simulator
+      a node in the namespace /
+
 in a namespace of its own, so that several can stand side by side:
   ros2 run evodevo_sim simulator --ros-args -r __ns:=/sim_0
 
@@ -19,6 +23,7 @@ names in the namespace:
   topics    body, cell_states                     of the live animat; body is latched
             actuation                             what its muscles are told, each control step, where somebody listens
             worker                                who it is and how it evaluates; ros2 run evodevo_ga status shows it
+            drawn/cells, drawn/markers, drawn/pose   the same for RViz, Foxglove and others, where somebody listens
             target_pose (subscribed)              geometry_msgs/PoseStamped; the last good one holds
 
 parameters, e.g. -p publish_every:=4

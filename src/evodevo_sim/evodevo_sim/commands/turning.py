@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 _EPILOG = """\
 examples:
-  ros2 run evodevo_sim turning bags/RUN
+  ros2 run evodevo_sim turning bags/sample-chemotaxis
       the last champion of a run of chemotaxis
   ros2 run evodevo_sim turning bags/one bags/two champion.yaml --out turning.png
       three champions, and their turning maps: each cell's mean activation in a turn, minus that on the way without a target

@@ -78,7 +78,7 @@ class Animat:
         """Live for one control step: one regulation step, then the body's."""
         if self.status == Status.OK:
             if not self._lost:
-                self.brain.step(self._where(), self.target if self.task.has_target else None)
+                self.brain.step(self.known(), self.target if self.task.has_target else None)
             outcome = self.plant.move(self.activation, self.task.control_step)
             self._lost = outcome == Outcome.LOST
             if self._lost:  # the brain waits with the body
@@ -90,7 +90,7 @@ class Animat:
         self.steps += 1
 
 
-    def _where(self) -> np.ndarray:
+    def known(self) -> np.ndarray:
         """The cells (N, 2) m as the brain senses them: where one is not seen, where it was last."""
         if np.isfinite(self.position).all():
             return self.position

@@ -21,6 +21,7 @@ from ..ros.barrier import Callbacks, Desk, brief
 from ..ros.messages import actuation_message, body_message, cell_states_message, genome_from_message, task_of_request
 from ..ros.requests import ENDING
 from ..ros.topics import ACTUATION, BODY, CELL_STATES, TARGET_POSE
+from .drawn import DrawnTopics
 
 
 class Living:
@@ -39,6 +40,7 @@ class Living:
         self._body = node.create_publisher(BODY.type, BODY.name, BODY.quality)
         self._states = node.create_publisher(CELL_STATES.type, CELL_STATES.name, CELL_STATES.quality)
         self._actuation = node.create_publisher(ACTUATION.type, ACTUATION.name, ACTUATION.quality)
+        self._drawn = DrawnTopics(node, frame)
         self._shown: Animat | None = None
         self.stage = Stage(self._show, self._report, every, self._act)
         callbacks.subscription(TARGET_POSE.type, TARGET_POSE.name, self._aim, TARGET_POSE.quality)
@@ -126,6 +128,7 @@ class Living:
             self._states.publish(
                 cell_states_message(animat.position, animat.velocity, animat.activation, animat.steps, animat.time, self._frame)
             )
+        self._drawn.show(animat)
 
     def _act(self, animat):
         """In the stage's thread, after each control step: publish what the muscles were told in it, if somebody listens."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import struct
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -18,7 +19,10 @@ from .schema import compare, short, types_of
 from .stored import Channel
 
 _CDR = (b"\0\0", b"\0\1")  # with which messages begin, big- and little-endian
-_UNDECODABLE = (RuntimeError, ValueError, TypeError, AttributeError, KeyError, IndexError, OverflowError, EOFError, MemoryError, McapError)
+_UNDECODABLE = (
+    RuntimeError, ValueError, TypeError, AttributeError, KeyError, IndexError, OverflowError, EOFError, MemoryError, McapError,
+    struct.error,
+)
 
 
 @dataclass(frozen=True)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from ..parameters import ParameterError, Scene
-from ..physics.terrain import contacts, profile
+from ..physics.terrain import contacts
+from ..ros.drawn import chambers_of, surfaces
 from ..ros.messages import scene_from_message
 from ..task_kinds import kind_of
 from . import Recording, RecordingError
@@ -62,14 +62,7 @@ class Life:
 
     def surfaces(self, low: float, high: float) -> list[np.ndarray]:
         """The lines (K, 2) of ground and ceiling from x = low to high, m."""
-        if self.scene is None:
-            return []
-        lines, s = [], self.scene
-        for xs, ys, there in ((s.ground_x, s.ground_y, True), (s.ceiling_x, s.ceiling_y, bool(s.ceiling_x))):
-            if there:
-                x = np.array([low, *(x for x in xs if low < x < high), high])
-                lines.append(np.column_stack((x, profile(xs, ys, x))))
-        return lines
+        return [] if self.scene is None else surfaces(self.scene, low, high)
 
     @property
     def centre(self) -> np.ndarray:
@@ -197,10 +190,9 @@ def _pairs(a, b, cells: int) -> np.ndarray:
 
 
 def _parts(body) -> dict:
-    starts, cells = np.array(body.chamber_start, int), np.array(body.chamber_cell, int)
-    if cells.size and cells.max() >= body.cells:
+    chambers = chambers_of(body.chamber_start, body.chamber_cell)
+    if any(chamber.size and chamber.max() >= body.cells for chamber in chambers):
         raise IndexError
-    chambers = [cells[first:last] for first, last in itertools.pairwise(starts)]
     return {"springs": _springs(body), "outline": _pairs(body.outline_a, body.outline_b, body.cells), "chambers": chambers}
 
 

@@ -125,7 +125,7 @@ class _Collected:
 
     def _role(self, channel: Channel) -> tuple[Topic, Reading] | None:
         entry = role_of(channel.topic)
-        if entry is None:
+        if entry is None or not entry.attribute:
             return None
         reading = reading_of(channel, entry.type)
         if reading is None:

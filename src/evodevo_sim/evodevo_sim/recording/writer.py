@@ -6,6 +6,7 @@ import errno
 import os
 import shutil
 import threading
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from rclpy.serialization import serialize_message
 
 from ..whole_file import written_whole
 from .definitions import RecordingError, definition, type_hash, type_name
+from .drawn import Drawn
 from .parts import Part, Plain, files_of_recorder, mended_part, metadata, next_name, quality_of
 
 _CHUNK = 128 * 1024  # bytes of messages that share a compressed chunk
@@ -30,14 +32,18 @@ class Recorder:
     Any thread may write.
 
     Args: directory: made anew, with its parents; go_on: it is there, and the recording that it holds goes on in another file, once its
-        files are mended where they are damaged.
+        files are mended where they are damaged; drawn: whether to write beside cells what public tools draw.
     Raises RecordingError where it exists, or does not, or cannot be written.
+
+    Attributes: hearers: called with each message that is written.
     """
 
-    def __init__(self, directory: str | os.PathLike, go_on: bool = False):
+    def __init__(self, directory: str | os.PathLike, go_on: bool = False, drawn: bool = True):
         self.directory = Path(directory)
         self.mend = "make room and run again"  # what to do where the disk is full
+        self.hearers: list[Callable[[Any], None]] = []
         self._channels: dict[str, int] = {}
+        self._drawn = Drawn() if drawn else None
         try:
             if not go_on:
                 self.directory.mkdir(parents=True)
@@ -71,15 +77,21 @@ class Recorder:
         Args: topic: absolute, or below `/`, of any name; one that ends as in `ros.topics` has the quality of service from there;
             message: of any ROS type; stamp: ns.
         """
-        data = serialize_message(message)
         with self._lock, self._one_line_errors():
             if self._failed:
                 raise self._failed
-            topic, name = "/" + topic.lstrip("/"), type_name(type(message))
-            channel = self._channels.get(topic) or self._add_channel(topic, name)
-            self._part.take(topic, name, type_hash(name), stamp)
-            self._writer.add_message(channel, stamp, data, stamp, self._part.counts[topic])
+            for name, one in ((topic, message), *(self._drawn.of(topic, message) if self._drawn else ())):
+                self._append(name, one, stamp)
         self._waiting.set()
+        for hear in self.hearers:
+            hear(message)
+
+    def _append(self, topic: str, message: Any, stamp: int) -> None:
+        data = serialize_message(message)
+        topic, name = "/" + topic.lstrip("/"), type_name(type(message))
+        channel = self._channels.get(topic) or self._add_channel(topic, name)
+        self._part.take(topic, name, type_hash(name), stamp)
+        self._writer.add_message(channel, stamp, data, stamp, self._part.counts[topic])
 
     def flush(self) -> None:
         """Put what was written into the file, where it survives the end of this process."""
@@ -91,9 +103,9 @@ class Recorder:
         """Flush what waits, again and again, and have the disk keep it."""
         while True:
             self._waiting.wait()
+            self._waiting.clear()  # before looking at the end: who ends sets it after that, and it must not be lost
             if self._ending.wait(_KEEP_WITHIN):
                 return
-            self._waiting.clear()
             try:
                 self.flush()
                 self._sync()
@@ -169,5 +181,5 @@ class _OneLine:
     def __exit__(self, _, error, __):
         if isinstance(error, OSError):
             raise RecordingError(
-                f"{self._directory}: recording stopped ({error.strerror}): what came before is kept: {self._mend}"
+                f"{self._directory}: recording stopped ({error.strerror}): what came before is kept; {self._mend}"
             ) from None

@@ -14,6 +14,8 @@ from dataclasses import dataclass
 
 from geometry_msgs.msg import PoseStamped
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from sensor_msgs.msg import PointCloud2
+from visualization_msgs.msg import MarkerArray
 
 from evodevo_msgs import msg
 
@@ -50,7 +52,8 @@ class Topic:
     Attributes:
         name: below the namespace of an animat or a run; type: of its messages; service: its quality.
         by: the node that publishes it live, or nothing where it is only recorded; what: its messages tell, in a few words.
-        attribute: of `Recording`; many: whether that is a list; lives: whether its stamps begin anew in each life.
+        attribute: of `Recording`, or nothing where it is for other tools alone;
+            many: whether that is a list; lives: whether its stamps begin anew in each life.
         animat: whether it is of one animat, or else of a run.
     """
 
@@ -59,7 +62,7 @@ class Topic:
     service: Quality
     by: str
     what: str
-    attribute: str
+    attribute: str = ""
     many: bool = False
     lives: bool = False
     animat: bool = True
@@ -119,10 +122,18 @@ TOPICS = (
     COMMAND_STREAM, GAIT, WORKER,
 )
 
+# What public tools draw by themselves, made of the above (`ros.drawn`).  Their default is to ask for what is reliable.
+DRAWN_CELLS = Topic("drawn/cells", PointCloud2, COMMAND, "simulator", "the cells as points: x, y, z, activation, rgb; each step")
+DRAWN_MARKERS = Topic(
+    "drawn/markers", MarkerArray, COMMAND, "simulator", "springs, chambers, outline, ground, target; up to 10 times a simulated second",
+)
+DRAWN_POSE = Topic("drawn/pose", PoseStamped, COMMAND, "simulator", "the centre, turned as the body; each step")
+DRAWN = (DRAWN_CELLS, DRAWN_MARKERS, DRAWN_POSE)
+
 
 def role_of(topic: str) -> Topic | None:
     """The entry that a topic's name ends with, in any namespace; of several the longest."""
-    fitting = [entry for entry in TOPICS if ("/" + topic.lstrip("/")).endswith("/" + entry.name)]
+    fitting = [entry for entry in (*TOPICS, *DRAWN) if ("/" + topic.lstrip("/")).endswith("/" + entry.name)]
     return max(fitting, key=lambda entry: len(entry.name), default=None)
 
 

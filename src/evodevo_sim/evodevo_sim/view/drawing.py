@@ -43,8 +43,11 @@ def draw_pose(
             axes.add_collection(lines)
 
 
-def draw_world(axes: Axes, life: Life, step: int) -> None:
-    """Draw ground and ceiling as far as the axes reach, a tick at every metre, and what touches at a control step."""
+def draw_world(axes: Axes, life: Life, step: int, size: float = 6.0) -> None:
+    """Draw ground and ceiling as far as the axes reach, a tick at every metre, and what touches at a control step.
+
+    Args: size: points, of the triangles where cells touch.
+    """
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     for line, edge in zip(life.surfaces(left, right), (bottom, top)):
         x, y = line.T
@@ -55,7 +58,7 @@ def draw_world(axes: Axes, life: Life, step: int) -> None:
             long = 0.3 if metre % 5 == 0 else 0.15
             axes.plot([metre, metre], [y, y + np.sign(edge - y) * long], color=unit_rgb(QUIET), linewidth=0.8, zorder=0.5)
     touching = life.contact[step]
-    axes.plot(*life.position[step, touching].T, "^", color=unit_rgb(ACCENT), mec="white", mew=0.6, ms=6, zorder=6)
+    axes.plot(*life.position[step, touching].T, "^", color=unit_rgb(ACCENT), mec="white", mew=0.1 * size, ms=size, zorder=6)
 
 
 def draw_swim(axes: Axes, life: Life, step: int, palette: str = DEFAULT) -> None:

@@ -10,7 +10,10 @@ from pathlib import Path
 from ..inputs import InputError
 from ..whole_file import written_whole
 
-_BEGINS_WITH = {".rrd": (b"RRF",), ".png": (b"\x89PNG",), ".svg": (b"<?xml", b"<svg"), ".pdf": (b"%PDF",), ".csv": (b"cell",)}
+_BEGINS_WITH = {
+    ".rrd": (b"RRF",), ".png": (b"\x89PNG",), ".svg": (b"<?xml", b"<svg"), ".pdf": (b"%PDF",), ".csv": (b"cell",),
+    ".html": (b"<!DOCTYPE html",), ".gif": (b"GIF8",),
+}
 _HEAD = 1024  # bytes
 PICTURES = (".png", ".svg", ".pdf")
 
@@ -39,6 +42,8 @@ def check(path: Path, *endings: str) -> None:
 
 
 def _is_of_kind(begin: bytes, ending: str) -> bool:
+    if ending == ".mp4":
+        return begin[4:8] == b"ftyp"
     return begin.startswith(_BEGINS_WITH[ending]) and (ending != ".svg" or b"<svg" in begin)
 
 

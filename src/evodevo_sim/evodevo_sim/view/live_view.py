@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import socket
 import subprocess
 from contextlib import ExitStack
 from pathlib import Path
@@ -15,7 +14,7 @@ from ..command_process import exit_code
 from .colours import ACCENT, INK, SECOND, THIRD, activation_colours
 from .files import OutputError, check
 from .palettes import DEFAULT
-from .viewer import NO_RERUN, has_display, is_installed, opened, switched_on
+from .viewer import NO_RERUN, free_port, has_display, is_installed, opened, switched_on
 
 _HEIGHT = 0.02  # m, of lines above the cells' discs
 
@@ -48,7 +47,7 @@ class LiveView:
             self._stream = rr.RecordingStream(f"evodevo {self._name}")
         sinks: list[rr.FileSink | rr.GrpcSink] = [rr.FileSink(str(self._path))] if self._path else []
         if self._viewer:
-            port = _free_port()
+            port = free_port()
             self._process = self._stack.enter_context(opened("--port", str(port)))
             sinks.append(rr.GrpcSink(f"rerun+http://127.0.0.1:{port}/proxy"))
         self._stream.set_sinks(*sinks)
@@ -90,9 +89,3 @@ class LiveView:
             self._target = target
             stream.log("animat/target", rr.Points3D([(*target, 0.0)], radii=0.4, colors=SECOND))
             stream.log("animat/scent", rr.LineStrips3D(scent_rings(target, self._reach), colors=(206, 196, 228)))
-
-
-def _free_port() -> int:
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return one.getsockname()[1]

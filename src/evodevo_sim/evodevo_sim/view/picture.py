@@ -104,7 +104,7 @@ def _head(figure, recording: Recording, life: Life, palette: str) -> None:
     scale.grid(False)
 
 
-def _growth_steps(life: Life) -> list[int]:
+def growth_steps(life: Life) -> list[int]:
     """Steps at which the embryo has about 1, 2, 4, ... cells, before it divides again."""
     cells = np.array([len(pose.position) for pose in life.growth])
     wanted = np.unique(np.rint(np.geomspace(cells[0], cells[-1], FRAMES)))
@@ -114,7 +114,7 @@ def _growth_steps(life: Life) -> list[int]:
 def _growth_row(life: Life, palette: str):
     if not life.growth or not len(life.growth[0].position):
         return
-    steps = _growth_steps(life)
+    steps = growth_steps(life)
 
     def draw(figure, top, tall):
         _heading(figure, top, "Growth")

@@ -19,14 +19,15 @@ import rerun as rr
 
 from ..recording import Recording
 from ..recording.life import RINGS, Life, contrasting_cells
+from ..ros.drawn import fan
 from .colours import ACCENT, INK, QUIET, SECOND, THIRD, activation_colours
+from .entities import at, log_curve, log_discs, log_lines, space
+from .evolve_view import log_evolution
 from .palettes import DEFAULT
 from .summary import markdown
 
 _TRAIL_UPDATES = 200  # a trail has up to as many points, and is logged as often
-_GRID, _BEHIND, _BEFORE, _TRAIL = -0.04, -0.02, 0.02, 0.04  # m, heights of what lies below and above the cells' discs
-_DISC = 0.01  # m, thickness
-_BARS = 50  # at the most, in the chart of fitness
+_GRID, _BEHIND, _TRAIL = -0.04, -0.02, 0.04  # m, heights of what lies below and above the cells' discs
 _GRID_LINES = 80  # at the most, in each direction
 
 
@@ -36,51 +37,34 @@ def log_recording(
     """Log everything that a recording holds.  Args: step: called with the name of each part before it is logged."""
     stream.log("summary", rr.TextDocument(markdown(recording, life, palette), media_type=rr.MediaType.MARKDOWN), static=True)
     step("cells")
-    _log_cells(stream, life, palette)
+    log_cells(stream, life, palette)
     step("springs")
-    _log_springs(stream, life)
+    log_springs(stream, life)
     if len(life.time):
         step("chambers")
         _log_chambers(stream, life, palette)
         step("curves")
-        _log_lines(stream, "animat/outline", [life.time], [life.position], [life.outline], INK, 0.045)
+        log_lines(stream, "animat/outline", [life.time], [life.position], [life.outline], INK, 0.045)
         _log_trail(stream, life)
         _log_world(stream, life)
         _log_curves(stream, life)
         _log_target(stream, life)
     if recording.statistics:
-        _log_evolution(stream, recording.statistics)
+        log_evolution(stream, recording.statistics)
 
 
-def _at(seconds) -> list[rr.TimeColumn]:
-    return [rr.TimeColumn("time", duration=seconds)]
-
-
-def _space(plane, z: float) -> np.ndarray:
-    """Points (..., 2) in the plane as points (..., 3) in space, float32."""
-    return np.concatenate((plane, np.full((*plane.shape[:-1], 1), z)), axis=-1, dtype=np.float32)
-
-
-def _log_cells(stream, life: Life, palette: str) -> None:
+def log_cells(stream, life: Life, palette: str) -> None:
     growth = life.growth
     lengths = [len(pose.position) for pose in growth] + [life.position.shape[1]] * len(life.time)
     if not lengths:
         return
     position = np.concatenate([pose.position for pose in growth] + [life.position.reshape(-1, 2)])
     activation = np.concatenate([pose.activation for pose in growth] + [life.activation.ravel()])
-    # Flat cylinders: points are drawn as spheres, and lines would sink into them.  Where discs overlap, the later cell is above.
-    ranks = np.concatenate([np.arange(n) / n for n in lengths])[:, None] * _DISC
-    discs = rr.Cylinders3D.from_fields(radii=0.5, fill_mode="solid", show_labels=False)
-    stream.log("animat/cells", discs, static=True)
-    columns = rr.Cylinders3D.columns(
-        centers=np.concatenate((position, ranks), axis=1, dtype=np.float32), colors=activation_colours(activation, palette),
-        lengths=np.full(len(position), _DISC, np.float32),
-    )
     times = np.concatenate((life.growth_time, life.time))
-    stream.send_columns("animat/cells", _at(times), columns.partition(lengths))
+    log_discs(stream, "animat/cells", at(times), lengths, position, activation_colours(activation, palette))
     first = np.cumsum([0, *lengths[:-1]])
     centre = np.add.reduceat(position, first) / np.array(lengths)[:, None]
-    stream.send_columns("animat/centre", _at(times), rr.Transform3D.columns(translation=_space(centre, 0.0)))
+    stream.send_columns("animat/centre", at(times), rr.Transform3D.columns(translation=space(centre, 0.0)))
     _log_metres(stream, position)
 
 
@@ -90,85 +74,57 @@ def _log_metres(stream, position) -> None:
     step = 10 ** max(0, np.ceil(np.log10(max(high - low) / _GRID_LINES)))
     x, y = (np.arange(np.floor(a / step), np.ceil(b / step) + 1) * step for a, b in zip(low, high))
     lines = [((v, y[0]), (v, y[-1])) for v in x] + [((x[0], v), (x[-1], v)) for v in y]
-    strips = rr.LineStrips3D(_space(np.array(lines), _GRID), radii=rr.Radius.ui_points(0.5), colors=(222, 224, 226))
+    strips = rr.LineStrips3D(space(np.array(lines), _GRID), radii=rr.Radius.ui_points(0.5), colors=(222, 224, 226))
     stream.log("animat/metres", strips, static=True)
 
 
-def _log_springs(stream, life: Life) -> None:
+def log_springs(stream, life: Life) -> None:
     times, positions = [np.array([t]) for t in life.growth_time], [pose.position[None] for pose in life.growth]
     springs = [*life.growth_springs, life.springs]
-    _log_lines(stream, "animat/springs", [*times, life.time], [*positions, life.position], springs, INK, 0.02)
-
-
-def _log_lines(stream, entity, times, positions, pairs, colour, radius) -> None:
-    """Lines between pairs of cells.  Args: of each stretch in time: times (T,), positions (T, N, 2), pairs (E, 2)."""
-    import pyarrow as pa
-
-    ends = [_space(position[:, pair].reshape(-1, 2), _BEFORE) for position, pair in zip(positions, pairs)]
-    lengths = np.concatenate([np.full(len(time), len(pair)) for time, pair in zip(times, pairs)])
-    if not lengths.sum():
-        return
-    # Strips of two points each, given to Rerun as the Arrow array that it would make one by one.
-    points = rr.encodings.Vec3DBatch(np.concatenate(ends)).as_arrow_array()
-    kind = rr.components.LineStrip3DBatch([]).as_arrow_array().type
-    offsets = pa.array(np.arange(0, len(points) + 1, 2), pa.int32())
-    strips = pa.ListArray.from_arrays(offsets, points, type=kind)
-    stream.log(entity, rr.LineStrips3D.from_fields(radii=radius, colors=colour), static=True)
-    columns = rr.LineStrips3D.columns(strips=strips).partition(lengths)
-    stream.send_columns(entity, _at(np.concatenate(times)), columns)
+    log_lines(stream, "animat/springs", [*times, life.time], [*positions, life.position], springs, INK, 0.02)
 
 
 def _log_chambers(stream, life: Life, palette: str) -> None:
-    triangles = [triangle for chamber in life.chambers for triangle in _fan(life.position[0], chamber)]
+    triangles = [triangle for chamber in life.chambers for triangle in fan(life.position[0], chamber)]
     if not triangles:
         return
     stream.log("animat/chambers", rr.Mesh3D.from_fields(triangle_indices=np.array(triangles, np.uint32)), static=True)
     steps, cells = life.activation.shape
     tint = 0.6 * 255 + 0.4 * activation_colours(life.activation.ravel(), palette)
     columns = rr.Mesh3D.columns(
-        vertex_positions=_space(life.position.reshape(-1, 2), _BEHIND), vertex_colors=tint.astype(np.uint8)
+        vertex_positions=space(life.position.reshape(-1, 2), _BEHIND), vertex_colors=tint.astype(np.uint8)
     )
-    stream.send_columns("animat/chambers", _at(life.time), columns.partition([cells] * steps))
-
-
-def _fan(position, chamber) -> np.ndarray:
-    """Triangles (K, 3) of a chamber: of the fans from its corners, the one whose least triangle is the largest."""
-    corners = [np.roll(chamber, -k) for k in range(len(chamber))]
-    fans = [np.column_stack((np.full(len(c) - 2, c[0]), c[1:-1], c[2:])) for c in corners]
-    return max(fans, key=lambda fan: _twice_area(*position[fan].swapaxes(0, 1)).min())
-
-
-def _twice_area(a, b, c) -> np.ndarray:
-    return (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
+    stream.send_columns("animat/chambers", at(life.time), columns.partition([cells] * steps))
 
 
 def _log_trail(stream, life: Life) -> None:
     """Where the centre of mass came along, longer and longer."""
     ends = np.unique(np.linspace(0, len(life.time) - 1, _TRAIL_UPDATES).astype(int))
-    trails = [_space(life.centre[ends[: k + 1]], _TRAIL) for k in range(1, len(ends))]
+    trails = [space(life.centre[ends[: k + 1]], _TRAIL) for k in range(1, len(ends))]
     stream.log("animat/trail", rr.LineStrips3D.from_fields(radii=0.05, colors=ACCENT), static=True)
     if trails:
-        stream.send_columns("animat/trail", _at(life.time[ends[1:]]), rr.LineStrips3D.columns(strips=trails))
+        stream.send_columns("animat/trail", at(life.time[ends[1:]]), rr.LineStrips3D.columns(strips=trails))
 
 
 def _log_world(stream, life: Life) -> None:
     """Ground and ceiling, and dots on the cells that touch them."""
     low, high = life.position[..., 0].min() - 20.0, life.position[..., 0].max() + 20.0
-    lines = [_space(line, _BEHIND) for line in life.surfaces(low, high)]
+    lines = [space(line, _BEHIND) for line in life.surfaces(low, high)]
     if not lines:
         return
-    stream.log("animat/world", rr.LineStrips3D(lines, radii=0.06, colors=QUIET), static=True)
+    stream.log("animat/world", rr.LineStrips3D.from_fields(radii=0.06, colors=QUIET), static=True)
+    stream.send_columns("animat/world", at(life.time[:1]), rr.LineStrips3D.columns(strips=lines).partition([len(lines)]))  # from birth on
     contact = life.contact
     stream.log("animat/contacts", rr.Points3D.from_fields(radii=0.14, colors=ACCENT), static=True)
-    columns = rr.Points3D.columns(positions=_space(life.position[contact], _TRAIL))
-    stream.send_columns("animat/contacts", _at(life.time), columns.partition(contact.sum(axis=1)))
+    columns = rr.Points3D.columns(positions=space(life.position[contact], _TRAIL))
+    stream.send_columns("animat/contacts", at(life.time), columns.partition(contact.sum(axis=1)))
 
 
 def _log_curves(stream, life: Life) -> None:
     for cell, colour in zip(contrasting_cells(life.activation), (ACCENT, SECOND)):
         entity = f"plots/activation/cell_{cell}"
-        _log_curve(stream, entity, _at(life.time), life.activation[:, cell], f"cell {cell}", colour)
-    _log_curve(stream, "plots/distance", _at(life.time), life.distance, "centre of mass", THIRD)
+        log_curve(stream, entity, at(life.time), life.activation[:, cell], f"cell {cell}", colour)
+    log_curve(stream, "plots/distance", at(life.time), life.distance, "centre of mass", THIRD)
 
 
 def _log_target(stream, life: Life) -> None:
@@ -176,16 +132,16 @@ def _log_target(stream, life: Life) -> None:
     if not len(life.target):
         return
     known = np.isfinite(life.target).all(axis=1)
-    _log_curve(stream, "plots/target_distance", _at(life.time[known]), life.target_distance[known], "to the target", SECOND)
+    log_curve(stream, "plots/target_distance", at(life.time[known]), life.target_distance[known], "to the target", SECOND)
     changed = np.flatnonzero(known & np.r_[True, (life.target[1:] != life.target[:-1]).any(axis=1)])
-    points = _space(life.target[changed], _TRAIL)
+    points = space(life.target[changed], _TRAIL)
     stream.log("animat/target", rr.Points3D.from_fields(radii=0.4, colors=SECOND), static=True)
-    stream.send_columns("animat/target", _at(life.time[changed]), rr.Points3D.columns(positions=points))
+    stream.send_columns("animat/target", at(life.time[changed]), rr.Points3D.columns(positions=points))
     if life.reach:
         rings = [scent_rings(target, life.reach) for target in life.target[changed]]
         stream.log("animat/scent", rr.LineStrips3D.from_fields(radii=rr.Radius.ui_points(1.0), colors=(206, 196, 228)), static=True)
         strips = rr.LineStrips3D.columns(strips=[strip for ring in rings for strip in ring])
-        stream.send_columns("animat/scent", _at(life.time[changed]), strips.partition([RINGS] * len(rings)))
+        stream.send_columns("animat/scent", at(life.time[changed]), strips.partition([RINGS] * len(rings)))
 
 
 def scent_rings(target: Any, reach: float) -> np.ndarray:
@@ -193,21 +149,4 @@ def scent_rings(target: Any, reach: float) -> np.ndarray:
     angle = np.linspace(0.0, 2.0 * np.pi, 97)
     ring = np.stack((np.cos(angle), np.sin(angle)), axis=-1)
     radii = np.arange(1, RINGS + 1)[:, None, None] / RINGS * reach
-    return _space(np.asarray(target) + radii * ring, _BEHIND)
-
-
-def _log_curve(stream, entity, index, values, name, colour) -> None:
-    stream.log(entity, rr.SeriesLines(names=name, colors=colour, widths=1.5), static=True)
-    stream.send_columns(entity, index, rr.Scalars.columns(scalars=values))
-
-
-def _log_evolution(stream, statistics) -> None:
-    generation = [s.generation for s in statistics]
-    for name, colour in (("best", ACCENT), ("median", SECOND), ("diversity", QUIET)):
-        values = [getattr(s, name) for s in statistics]
-        _log_curve(stream, f"evolution/{name}", [rr.TimeColumn("generation", sequence=generation)], values, name, colour)
-    # Curves show one timeline at a time; a bar chart is there on all of them.
-    every = -(-len(statistics) // _BARS)
-    best = [max(s.best for s in statistics[k : k + every]) for k in range(0, len(statistics), every)]
-    bars = rr.BarChart(best, abscissa=generation[::every], widths=np.full(len(best), 0.9 * every), color=ACCENT)
-    stream.log("evolution/chart", bars, static=True)
+    return space(np.asarray(target) + radii * ring, _BEHIND)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import socket
 import subprocess
 import sys
 import tempfile
@@ -30,23 +31,30 @@ def is_installed() -> bool:
     return find_spec("rerun") is not None
 
 
-def save(recording: Recording, life: Life, path: str, step: Callable[[str], None] = lambda part: None, palette: str = DEFAULT) -> None:
-    """Write a Rerun file.  Args: step: called with the name of each part before it is written.
+def save(
+    recording: Recording, life: Life, path: str, step: Callable[[str], None] = lambda part: None, palette: str = DEFAULT,
+    show: str | None = None, cell: int | None = None,
+) -> None:
+    """Write a Rerun file.
 
-    Raises OutputError where Rerun is missing or cannot write.
+    Args: step: called with the name of each part before it is written; show: a purpose, see `purposes`; cell: whose thoughts.
+
+    Raises OutputError where Rerun is missing or cannot write, RecordingError where the recording does not serve the purpose.
     """
     if not is_installed():
         raise OutputError(NO_RERUN)
     import rerun
 
-    from .rerun_log import log_recording
-    from .views import blueprint
+    from .purposes import chosen, log_purpose
 
+    purpose = chosen(recording, life, show)
     with switched_on():
-        stream = rerun.RecordingStream("evodevo")
+        stream = rerun.RecordingStream("evodevo" if purpose == "watch" else f"evodevo {purpose}")  # the viewer keeps a layout for each
         try:
-            stream.save(path, default_blueprint=blueprint(recording, life))
-            log_recording(stream, recording, life, step, palette)
+            stream.save(path)
+            layout = log_purpose(stream, recording, life, purpose, step, palette, cell)
+            if stream.get_application_id() is not None:  # none where Rerun is switched off after all
+                stream.send_blueprint(layout)
         finally:
             stream.disconnect()
     if not os.path.getsize(path):
@@ -104,3 +112,10 @@ def show(path: str | os.PathLike) -> int:
     if code:
         print(f"replay: the viewer ended with code {code}: --no-viewer saves a file instead", file=sys.stderr)
     return code
+
+
+def free_port() -> int:
+    """A port of this host that nobody listens on."""
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        return one.getsockname()[1]

@@ -45,18 +45,21 @@ def _bodies(life: Life) -> list:
     points = np.concatenate((points, life.target[np.isfinite(life.target).all(axis=1)]))
     if len(life.time):
         about = (life.position - life.centre[:, None]).reshape(-1, 2)
-        views.append(_from_above("Body", "/animat/centre", about))
-    views.append(_from_above("Whole path" if len(life.time) else "Growth", "/animat", points))
+        views.append(from_above("Body", "/animat/centre", about))
+    views.append(from_above("Whole path" if len(life.time) else "Growth", "/animat", points))
     return views
 
 
-def _from_above(name: str, origin: str, points) -> rrb.Spatial3DView:
-    """A view along -z, in which y points up (a 2D view would turn it over).  Args: points (K, 2) m that it has to hold."""
+def from_above(name: str, origin: str, points, contents: str = "/animat/**", landscape: float = _LANDSCAPE) -> rrb.Spatial3DView:
+    """A view along -z, in which y points up (a 2D view would turn it over).
+
+    Args: points (K, 2) m that it has to hold; landscape: its width, as far as we can know it, in heights.
+    """
     low, high = points.min(axis=0) - 0.5, points.max(axis=0) + 0.5
     x, y = (low + high) / 2
-    height = _HEIGHT * max(_LEAST, *(high - low) / (_LANDSCAPE, 1.0))
+    height = _HEIGHT * max(_LEAST, *(high - low) / (landscape, 1.0))
     return rrb.Spatial3DView(
-        origin=origin, contents="/animat/**", name=name, background=[*PAPER],
+        origin=origin, contents=contents, name=name, background=[*PAPER],
         line_grid=rrb.LineGrid3D(visible=False),
         eye_controls=rrb.EyeControls3D(
             kind=rrb.Eye3DKind.Orbital, position=(x, y, height), look_target=(x, y, 0.0), eye_up=(0.0, 1.0, 0.0)
@@ -73,7 +76,7 @@ def _curves(life: Life) -> list:
     return [
         rrb.TimeSeriesView(
             origin="/plots/activation", name="Activation e - c of two cells", plot_legend=legend,
-            axis_x=_some_beats(life), axis_y=rrb.ScalarAxis(range=(-1.05, 1.05)),
+            axis_x=some_beats(life), axis_y=rrb.ScalarAxis(range=(-1.05, 1.05)),
         ),
         rrb.TimeSeriesView(
             origin="/plots", contents=["/plots/distance", "/plots/target_distance"],
@@ -83,7 +86,7 @@ def _curves(life: Life) -> list:
     ]
 
 
-def _some_beats(life: Life) -> rrb.TimeAxis | None:
+def some_beats(life: Life) -> rrb.TimeAxis | None:
     """A window of _BEATS periods of the muscles, which follows the time shown; None, the whole life, where that is no longer."""
     half = _BEATS / 2 * period_of(life, contrasting_cells(life.activation))
     if not 2 * half < life.time[-1] - life.time[0]:
