@@ -56,12 +56,13 @@ def arguments(parser: argparse.ArgumentParser) -> argparse.Namespace:
 
 def evolve(task: Task, settings: Settings, name: str, seed: int, pool: ThreadPoolExecutor, start=()):
     """Run evolution.  Returns: (champion, row of the table, rows of its curve)."""
-    evolution, last_gain, began = Evolution(settings, seed, start, name), 0, time.monotonic()
+    evolution, last_gain, began = Evolution(settings, seed, start, name, task), 0, time.monotonic()
     curve = []
     chambered = oscillating = 0
     with tqdm(total=settings.generations, desc=f"{name} {seed}", leave=False, mininterval=5.0) as bar:
         while not evolution.finished:
-            found = list(pool.map(lambda genome: evaluate(genome, task, seed), evolution.ask()))
+            asked = evolution.ask()
+            found = list(pool.map(lambda genome: evaluate(genome, task, seed), asked))
             generation = evolution.tell(found)
             last_gain = generation.generation if generation.improved else last_gain
             chambered += sum(one.metrics.chambers > 0 for one in found)

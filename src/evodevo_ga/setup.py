@@ -15,7 +15,7 @@ setup(
         (f"share/{package_name}", ["package.xml"]),
         (f"share/{package_name}/launch", sorted(glob("launch/*.launch.py"))),
     ],
-    install_requires=["numpy>=2", "evodevo_sim"],
+    install_requires=["numpy>=2", "ribs", "evodevo_sim"],
     extras_require={
         "ros": ["evodevo_sim[gaits,ros]"],
         "test": ["pytest", "pytest-timeout", "hypothesis"],

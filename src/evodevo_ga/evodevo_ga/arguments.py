@@ -28,7 +28,7 @@ examples:
   ros2 run evodevo_ga evolve --preset high_drag
       in a thick fluid
   ros2 run evodevo_ga evolve --scheme panmictic
-      one population in which all compete, instead of niches of body shapes
+      one population in which all compete, instead of an archive of unlike bodies
   ros2 run evodevo_ga evolve --task walk --world rough
       a walker on uneven ground (docs/guide/walk.md tells the worlds)
   ros2 run evodevo_ga evolve --scheme paper --set task.fitness=distance
@@ -90,8 +90,8 @@ def parse(arguments: list[str]) -> Options:
     group = parser.add_argument_group("genetic algorithm")
     group.add_argument(
         "--scheme", metavar="NAME",
-        help="a way to search and its set of the numbers below, which go over it (default niches for swim, of a population of 50, 55, ...; "
-        f"else panmictic): {'; '.join(f'{one.name}: {one.what}' for one in SCHEMES.values())}".replace("%", "%%"),
+        help="a way to search and its set of the numbers below, which go over it (default: what suits the task); "
+        f"{'; '.join(f'{one.name}: {one.what}' for one in SCHEMES.values())}".replace("%", "%%"),
     )
     for field in dataclasses.fields(Settings):
         group.add_argument(

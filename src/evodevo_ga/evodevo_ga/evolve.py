@@ -98,7 +98,7 @@ class _Run:
         self.auditor: Auditor  # set before `go`
         self.champion: Individual | None = None  # the one recorded last; drift may put its equals before it
         self.verdict = _NOT_AUDITED  # on it
-        self.evolution = Evolution(options.settings, options.seed, options.start, options.scheme)
+        self.evolution = Evolution(options.settings, options.seed, options.start, options.scheme, options.task)
 
     def go(self) -> int:
         try:
