@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import csv
 import dataclasses
+import math
 import os
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -62,7 +63,8 @@ def evolve(task: Task, settings: Settings, name: str, seed: int, pool: ThreadPoo
     with tqdm(total=settings.generations, desc=f"{name} {seed}", leave=False, mininterval=5.0) as bar:
         while not evolution.finished:
             asked = evolution.ask()
-            found = list(pool.map(lambda genome: evaluate(genome, task, seed), asked))
+            bars = evolution.bars or [-math.inf] * len(asked)
+            found = list(pool.map(lambda genome, bar: evaluate(genome, task, seed, bar), asked, bars))
             generation = evolution.tell(found)
             last_gain = generation.generation if generation.improved else last_gain
             chambered += sum(one.metrics.chambers > 0 for one in found)

@@ -1,13 +1,13 @@
 """An archive of unlike bodies: who is kept, where children come from, and the same bits whoever evaluates, and when it goes on."""
 
 import json
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from evodevo_ga.archive import Archive
 from evodevo_ga.arguments import parse
 from evodevo_ga.emitters import EMITTERS
+from evodevo_ga.in_process import evaluate_all
 from evodevo_ga.individual import Child, Individual
 from evodevo_ga.nursery import Nursery
 from evodevo_ga.parts import graft, growth_part, random_parted, varied
@@ -19,7 +19,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from evodevo_ga import Evolution, Settings, scheme
-from evodevo_sim import Evaluation, ParameterError, Status, evaluate, load_champion, perform, random_genome
+from evodevo_sim import Evaluation, ParameterError, Status, load_champion, perform, random_genome
 
 SMALL = {"development.max_cells": 9, "control_steps": 80, "windows": 2, "starts": 1}
 NUMBERS = {"population": 12, "founders": 60, "generations": 4}
@@ -34,16 +34,10 @@ def evolution_of(name="swim", seed=3, start=(), **numbers):
     return Evolution(Settings(**chosen), seed, start, "archive", task_of(name))
 
 
-def below(evaluation, bar):
-    """What a stopped life says: less than its fitness could have been, and than the bar."""
-    return replace(evaluation, fitness=bar - 1e-6) if evaluation.status == Status.OK and evaluation.fitness < bar else evaluation
-
-
-def run_on(evolution, task, generations=None, stopped=False):
+def run_on(evolution, task, generations=None, stopped=True, workers=1):
     while not evolution.finished and generations != 0:
         asked = evolution.ask()
-        found = [evaluate(genome, task, evolution.seed) for genome in asked]
-        evolution.tell([below(one, bar) for one, bar in zip(found, evolution.bars)] if stopped else found)
+        evolution.tell(evaluate_all(asked, task, evolution.seed, workers, evolution.bars if stopped else ()))
         generations = None if generations is None else generations - 1
     return evolution.state()
 
@@ -63,12 +57,12 @@ def test_an_archive_keeps_unlike_bodies_for_every_task_and_goes_on_to_the_same_b
     assert one.growths >= 60 and one.evaluations + one.growths / 8 > 12 * 3
 
 
-def test_lives_that_stop_below_the_bar_change_nothing():
+def test_lives_that_stop_below_the_bar_and_threads_change_nothing():
     task = task_of()
     asked = evolution_of()
     run_on(asked, task, 1)
     assert len(asked.ask()) == len(asked.bars) and max(asked.bars) > -1.0
-    assert run_on(evolution_of(), task) == run_on(evolution_of(), task, stopped=True)
+    assert run_on(evolution_of(), task) == run_on(evolution_of(), task, workers=3) == run_on(evolution_of(), task, stopped=False)
 
 
 def test_breeding_changes_nothing_and_a_batch_is_worth_the_population():

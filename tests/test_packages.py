@@ -76,7 +76,8 @@ def test_requirements_for_pip_bring_what_a_package_imports(package):
     if any("ros" in one.extras for one in named):  # those of the other package's extra
         brought |= {Requirement(one).name for one in setup_of("evodevo_sim")["extras_require"]["ros"]}
     names = {"mcap_ros2": "mcap-ros2-support", "yaml": "pyyaml", "mpl_toolkits": "matplotlib", "rerun": "rerun-sdk"}
-    names |= dict.fromkeys(("rerun_cli", "rerun_bindings", "pyarrow"), "rerun-sdk") | {"llvmlite": "numba", "rclpy": "ros-jazzy-rclpy"}
+    names |= {"pyarrow": "rerun-sdk"} if package == "evodevo_sim" else {}
+    names |= dict.fromkeys(("rerun_cli", "rerun_bindings"), "rerun-sdk") | {"llvmlite": "numba", "rclpy": "ros-jazzy-rclpy"}
     of_ros = {"ament_index_python", "builtin_interfaces", "evodevo_msgs", "geometry_msgs", "rcl_interfaces", "std_msgs", "std_srvs"}
     assert {names.get(name, name).replace("_", "-") for name in imported(package) - of_ros} <= brought
 

@@ -25,7 +25,7 @@ from genomes import beating
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lab import DEADLINE, Operator
-from rogues import FAULTS, Death, service
+from rogues import FAULTS, Death, changed, service
 
 from evodevo_ga import Evolution, Settings
 from evodevo_sim import Genome, GenomeError, Status, Task, evaluate, load_genome, random_genome
@@ -96,6 +96,25 @@ def test_alone_it_ends_the_run_in_one_line(fleet_of, genomes, name):
     with pytest.raises(FleetError, match="no simulator is left") as error:
         fleet.evaluate(genomes, TASK, SEED)
     assert len(str(error.value)) <= 300 and "\n" not in str(error.value)
+
+
+def test_bars_go_to_the_nodes_and_their_answers_are_proved_with_the_same_bars(fleet_of, genomes, right):
+    bars = [one.fitness + (0.5 if k % 2 else -0.5) for k, one in enumerate(right)]
+    wanted = evaluate_all(genomes, TASK, SEED, 2, bars)
+    stopped = [one.status == Status.STOPPED for one in wanted]
+    assert 0 < sum(stopped) < len(right)
+    fleet, lines = fleet_of(None, changed(status=9, cause="", fitness=1e6))  # not below any bar
+    assert fleet.evaluate(genomes, TASK, SEED, bars=bars) == wanted
+    assert len(fleet) == 1 and "stopped a life" in lines[0]
+    bars = [1e5] * len(genomes)
+    assert fleet.evaluate(genomes, TASK, SEED, best=-10.0, bars=bars) == evaluate_all(genomes, TASK, SEED, 1, bars)
+    assert len(fleet) == 1
+
+
+@pytest.mark.parametrize("bars", [[1.0], [1.0] * 25])
+def test_bars_in_this_process_are_none_or_one_for_each_genome(genomes, bars):
+    with pytest.raises(ValueError, match="bars for 24 genomes"):
+        evaluate_all(genomes, TASK, SEED, 1, bars)
 
 
 def mortal(length):

@@ -17,7 +17,8 @@ setup(
     ],
     install_requires=["numpy>=2", "ribs", "evodevo_sim"],
     extras_require={
-        "ros": ["evodevo_sim[gaits,ros]"],
+        "ros": ["evodevo_sim[gaits,ros]", "pyarrow"],
+        "view": ["evodevo_sim[view]", "matplotlib"],
         "test": ["pytest", "pytest-timeout", "hypothesis"],
     },
     python_requires=">=3.11",

@@ -177,4 +177,4 @@ class Archive(Search):
 
 def lives(one: Individual) -> bool:
     """Whether it has lived to the end."""
-    return one.evaluation.status not in FAILURE
+    return one.evaluation.status not in FAILURE and one.evaluation.status != Status.STOPPED

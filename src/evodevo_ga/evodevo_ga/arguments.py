@@ -13,11 +13,14 @@ from evodevo_sim.ros.command_line import Parser, pairs, real_number, whole_numbe
 from evodevo_sim.ros.environment import without_ros
 from evodevo_sim.task_kinds import names
 
+from .keeping.limits import NONE, Limits
 from .schemes import SCHEMES, default_scheme, scheme, search_of
 from .settings import UNLIMITED, Settings
 
 if TYPE_CHECKING:
     from evodevo_sim.genetics.genome import Genome
+
+    from .keeping.resume import Resumed
 
 _EPILOG = """\
 examples:
@@ -39,11 +42,16 @@ examples:
   ros2 run evodevo_ga evolve --task chemotaxis --start bags/long
       begins from swimmers: half of the first population is the champion of a run and its mutants
 
+  ros2 run evodevo_ga evolve --resume bags/long --generations 2000
+      goes on with a run, whatever ended it, to the same bits as if nothing had; --generations, --patience, --evaluations and --hours
+      may be raised, nothing else changed
+
 Simulator nodes found on the ROS graph do the work, e.g. those that you start yourself by
   ros2 run evodevo_sim simulator --ros-args -r __ns:=/sim_0
 When there are none, or with --simulators N, evolve starts its own, one per core, and ends them.
 
-The run's directory holds a rosbag2 recording in MCAP and champion.yaml. See it by
+The run's directory holds a rosbag2 recording in MCAP, champion.yaml, a checkpoint of the last generation, and every individual
+as Parquet (docs/reference/run.md). See it by
   ros2 run evodevo_sim replay DIR
 
 Exit code: 0; 1 where nothing viable evolved, the best of all having failed; 2 for bad input, or where no simulator is left; 130
@@ -65,6 +73,9 @@ class Options:
     quiet: bool
     start: tuple[Genome, ...] = ()
     scheme: str = "panmictic"
+    limits: Limits = NONE
+    sources: tuple[str, ...] = ()  # of the start genomes
+    resumed: Resumed | None = None  # the run that goes on
 
 
 def parse(arguments: list[str]) -> Options:
@@ -86,6 +97,10 @@ def parse(arguments: list[str]) -> Options:
         "--look", default=1.5, type=real_number, metavar="S", help="seconds to look for simulators on the graph (default %(default)s)"
     )
     parser.add_argument("--start", nargs="+", default=[], metavar="FILE|DIR", help="genomes to begin from, or runs with a champion.yaml")
+    parser.add_argument("--resume", metavar="DIR", help="go on with the run in a directory, after its last whole generation")
+    parser.add_argument("--evaluations", type=whole_number, metavar="N", help="end at the generation that brings their number to N")
+    hours = "end at the first generation that ends after so many hours of wall time, all sessions of the run together"
+    parser.add_argument("--hours", type=real_number, metavar="H", help=hours)
     parser.add_argument("--quiet", action="store_true", help="no progress bar, and no table of times")
     group = parser.add_argument_group("genetic algorithm")
     group.add_argument(
@@ -102,6 +117,9 @@ def parse(arguments: list[str]) -> Options:
     sets = "set a number of the model, e.g. material.stiffness=300"
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help=sets)
     given = parser.parse_args(without_ros(arguments))
+    _check_numbers(parser, given)
+    if given.resume is not None:
+        return _resumed(parser, given, without_ros(arguments))
     from evodevo_sim.genetics.genome import GenomeError
     from evodevo_sim.genetics.genome_file import load_genome
     from evodevo_sim.worlds import with_world
@@ -127,14 +145,40 @@ def parse(arguments: list[str]) -> Options:
         check(task, settings, start)
     except (ParameterError, GenomeError) as error:
         parser.error(str(error))
+    out = Path(given.out or f"bags/{task.name}-{datetime.now():%Y%m%d-%H%M%S}")
+    limits, sources = Limits(given.evaluations, given.hours), tuple(given.start)
+    return Options(task, settings, given.seed, out, given.simulators, given.look, given.quiet, start, name, limits, sources)
+
+
+def _check_numbers(parser: Parser, given: Any) -> None:
     if not 0 <= given.seed < 2**63:
         parser.error(f"--seed is {given.seed}: give a whole number from 0 to 2^63 - 1")
     if given.simulators is not None and not 1 <= given.simulators <= 256:
         parser.error(f"--simulators is {given.simulators}: give 1 to 256")
     if not 0.0 <= given.look <= 3600.0:
         parser.error(f"--look is {given.look}: give 0 to 3600 seconds")
-    out = Path(given.out or f"bags/{task.name}-{datetime.now():%Y%m%d-%H%M%S}")
-    return Options(task, settings, given.seed, out, given.simulators, given.look, given.quiet, start, name)
+    if given.evaluations is not None and not given.evaluations >= 1:
+        parser.error(f"--evaluations is {given.evaluations}: give 1 or more")
+    if given.hours is not None and not 0.0 < given.hours <= 1e6:
+        parser.error(f"--hours is {given.hours:g}: give more than 0, up to 1e6")
+
+
+def _resumed(parser: Parser, given: Any, arguments: list[str]) -> Options:
+    """The options of a run that goes on."""
+    from evodevo_sim.genetics.genome import GenomeError
+
+    from .keeping.errors import ResumeError
+    from .keeping.resume import explicit, resumed
+
+    try:
+        run = resumed(Path(given.resume), explicit(parser, arguments))
+    except (ParameterError, GenomeError, ResumeError) as error:
+        parser.error(str(error))
+    e = run.evolution
+    return Options(
+        run.task, e.settings, e.seed, run.directory, given.simulators, given.look, given.quiet, e.start, e.scheme, run.limits,
+        run.sources, run,
+    )
 
 
 def _defaults(field) -> str:

@@ -56,7 +56,8 @@ class Evolution:
     above 1 in `settings` part it; task: what for, for searches that grow bodies before they live.
 
     Attributes: population (best first), champion, generation (of the population), evaluations, children (of the last generation,
-    whether they stayed or not), bred (children so far), growths (of bodies alone so far, an eighth of an evaluation each), search.
+    whether they stayed or not), bred (children so far), growths (of bodies alone so far, an eighth of an evaluation each), search, bars
+    (none, or for each genome asked the fitness that it must reach to be of any use, see `evaluate`).
     """
 
     def __init__(
@@ -78,9 +79,9 @@ class Evolution:
         self.stagnation = 0
         self.bred = 0
         self.growths = 0
+        self.bars: tuple[float, ...] = ()
         self._children: list[Child] = []
         self._asked: list[Genome] = []
-        self._bars: tuple[float, ...] = ()
 
     @property
     def champion(self) -> Individual:
@@ -102,14 +103,9 @@ class Evolution:
             bars: dict[bytes, float] = {}
             for one in self._children:
                 bars[one.genome.key()] = min(one.bar, bars.get(one.genome.key(), one.bar))
-            self._bars = tuple(bars[genome.key()] for genome in self._asked)
+            given = tuple(bars[genome.key()] for genome in self._asked)
+            self.bars = given if any(bar > -np.inf for bar in given) else ()
         return self._asked
-
-    @property
-    def bars(self) -> tuple[float, ...]:
-        """m, of each genome that was asked: a fitness of which it has to have more, or nothing comes of it.  A life that cannot reach it
-        may stop: the run has the same bits."""
-        return self._bars
 
     def tell(self, evaluations: list[Evaluation]) -> Generation:
         """Take the evaluations of what `ask` gave, in its order, and make the next population of them.
@@ -128,12 +124,14 @@ class Evolution:
             for k, one in enumerate(self._children)
         ]
         settled = _some(self.search.survive(self.population, children, self.generation + 1), "settled", self.scheme)
+        if any(one.evaluation.status == Status.STOPPED for one in settled):
+            raise ValueError(f"the search of scheme {self.scheme!r} has settled one whose life was stopped: its fitness is a bound alone")
         self.population = sorted(settled, key=lambda one: -one.evaluation.fitness)
         self.children = children
         self.generation += 1
         self.bred += len(children)
         self.growths += sum(one.growths for one in self._children)
-        self._children, self._asked, self._bars = [], [], ()
+        self._children, self._asked, self.bars = [], [], ()
         self.evaluations += len(evaluations)
         improved = self.champion.evaluation.fitness > before
         self.stagnation = 0 if improved else self.stagnation + 1
@@ -141,10 +139,14 @@ class Evolution:
 
     def state(self) -> dict[str, Any]:
         """All that the run is after its last generation, as plain data that JSON carries without the loss of a bit."""
+        genomes = {"start": [plain_genome(genome) for genome in self.start]}
+        return self.progress() | genomes | {"population": [plain_individual(one) for one in self.population]}
+
+    def progress(self) -> dict[str, Any]:
+        """`state` without its `start` and `population`."""
         return {
             "version": _STATE, "scheme": self.scheme, "settings": dataclasses.asdict(self.settings), "seed": self.seed,
-            "start": [plain_genome(genome) for genome in self.start], **{name: getattr(self, name) for name in _COUNTERS},
-            "population": [plain_individual(one) for one in self.population], "search": self.search.state(),
+            **{name: getattr(self, name) for name in _COUNTERS}, "search": self.search.state(),
         }
 
     @classmethod

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter, deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -74,9 +74,14 @@ class _Generation:
     seed: int
     waiting: deque[list[int]]
     results: list[Evaluation | None]
+    bars: Sequence[float] = ()
     by: dict[int, object] = field(default_factory=dict)
     ended: Counter = field(default_factory=Counter)
     doubted: dict[int, object] = field(default_factory=dict)
+
+    def bars_of(self, places: list[int]) -> list[float]:
+        """None, or one for each place."""
+        return [self.bars[i] for i in places] if self.bars else []
 
 
 class Fleet:
@@ -112,16 +117,17 @@ class Fleet:
                 silent[0].wait_for_service(timeout_sec=0.05)
 
     def evaluate(
-        self, genomes: list[Genome], task: Task, seed: int, stop: Callable[[], bool] = lambda: False, best: float = float("-inf")
+        self, genomes: list[Genome], task: Task, seed: int, stop: Callable[[], bool] = lambda: False, best: float = float("-inf"),
+        bars: Sequence[float] = (),
     ) -> list[Evaluation] | None:
         """Evaluate genomes in order; None when `stop()` said to stop.
 
         A node that dies, hangs, refuses or answers what cannot be is dropped, and its genomes go to the others.  A genome that ends
         one node after the other counts as failed.  Raises FleetError when no node is left.
 
-        Args: best: fitness from which on the best of these genomes is evaluated here too.
+        Args: best: fitness from which on the best of these genomes is evaluated here too; bars: none, or one for each, see `evaluate`.
         """
-        work = _Generation(genomes, task, seed, deque(batches(len(genomes), len(self._servers))), [None] * len(genomes))
+        work = _Generation(genomes, task, seed, deque(batches(len(genomes), len(self._servers))), [None] * len(genomes), bars)
         while self._share(work, stop):
             if self._best_is_right(work, best):
                 return [one for one in work.results if one is not None]  # all, since nothing waits
@@ -141,7 +147,7 @@ class Fleet:
                 while sum(request.server is server for request in under_way) < IN_FLIGHT and (places := self._next(server, work)):
                     with self._times(MESSAGES):
                         batch = [genome_message(work.genomes[i]) for i in places]
-                        future = server.call_async(Evaluate.Request(task=message, seed=work.seed, genomes=batch))
+                        future = server.call_async(Evaluate.Request(task=message, seed=work.seed, genomes=batch, bars=work.bars_of(places)))
                     largest = max(len(work.genomes[i]) for i in places) ** 2 * work.task.development.max_cells
                     patience = ANSWER_WITHIN + BATCH * IN_FLIGHT * steps * (_SLOW_STEP + _SLOW_PAIR * largest)
                     under_way.append(_Request(places, server, future, time.monotonic() + patience))
@@ -187,7 +193,7 @@ class Fleet:
         server = request.server
         with self._times(MESSAGES):
             try:
-                evaluations = look_at(request.future.result(), len(request.genomes))
+                evaluations = look_at(request.future.result(), len(request.genomes), work.bars_of(request.genomes))
             except AnswerError:
                 raise
             except Exception as error:
@@ -207,13 +213,13 @@ class Fleet:
 
     def _prove(self, place: int, evaluation: Evaluation, work: _Generation) -> None:
         """Raises AnswerError where our own evaluation of a genome is another one."""
-        own = evaluate(work.genomes[place], work.task, work.seed)
+        own = evaluate(work.genomes[place], work.task, work.seed, *work.bars_of([place]))
         if not alike(own, evaluation):
             raise AnswerError(f"it gives a genome a fitness of {evaluation.fitness:.6g} that has {own.fitness:.6g} by our own evaluation")
 
     def _best_is_right(self, work: _Generation, best: float) -> bool:
         """Whether the best of a generation, if it is better than `best`, is so by our own evaluation too; else who gave it is dropped."""
-        found = [(one.fitness, -place, one) for place, one in enumerate(work.results) if one is not None]
+        found = [(one.fitness, -place, one) for place, one in enumerate(work.results) if one and one.status != Status.STOPPED]
         if not found:
             return True
         fitness, place, evaluation = max(found, key=lambda of: of[:2])  # of equals the first one

@@ -5,7 +5,7 @@ from __future__ import annotations
 _EXTRAS = {
     "scipy": "gaits",
     "matplotlib": "view", "mpl_toolkits": "view", "rerun": "view", "rerun_cli": "view", "rerun_bindings": "view",
-    "mcap": "ros", "mcap_ros2": "ros", "zstandard": "ros", "rich": "ros", "tqdm": "ros",
+    "pyarrow": "evodevo_ga[ros]", "mcap": "ros", "mcap_ros2": "ros", "zstandard": "ros", "rich": "ros", "tqdm": "ros",
     "rclpy": "ros", "ament_index_python": "ros", "builtin_interfaces": "ros", "geometry_msgs": "ros", "rcl_interfaces": "ros",
     "std_msgs": "ros", "std_srvs": "ros",
 }
@@ -18,4 +18,6 @@ def lacking(error: ModuleNotFoundError) -> ModuleNotFoundError:
         return ModuleNotFoundError("evodevo_msgs is not installed: build it with colcon, as README tells", name=error.name)
     if name not in _EXTRAS:
         return error
-    return ModuleNotFoundError(f"{name} is not installed: pip install 'evodevo_sim[{_EXTRAS[name]}]'", name=error.name)
+    extra = _EXTRAS[name]
+    whole = extra if "[" in extra else f"evodevo_sim[{extra}]"
+    return ModuleNotFoundError(f"{name} is not installed: pip install '{whole}'", name=error.name)

@@ -1,6 +1,6 @@
 """Shapes of bodies: measures of one, and how far two are apart.  All take the places of cells (N, 2) in diameters of one, called metres.
 
-A shape is its cells' places but for where it stands and how it is turned, mirrored ones with it.  Neither springs nor an order of cells count.
+A shape is its cells' places but for where it stands and how it is turned, mirrored ones with it; no springs, no order of cells.
 """
 
 from __future__ import annotations

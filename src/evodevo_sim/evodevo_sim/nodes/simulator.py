@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import repeat
 from typing import Any
 
 from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
@@ -76,6 +77,9 @@ class Simulator(Node):
         if not 0 < len(request.genomes) <= self._most:
             response.error = f"{len(request.genomes)} genomes in a request: give 1 to {self._most}"
             return response
+        if fault := _fault_of_bars(request):
+            response.error = fault
+            return response
         try:
             task = task_of_request(request.task)
         except ParameterError as error:
@@ -83,18 +87,18 @@ class Simulator(Node):
             return response
         # Messages before and after all evaluations: one by one between them, where caches hold a body, they cost a generation 1.7 % more.
         genomes, evaluations = [_genome_or_fault(message) for message in request.genomes], []
-        for genome in genomes:
+        for genome, bar in zip(genomes, request.bars or repeat(-math.inf)):
             if self._stop.is_set():
                 response.error = _ENDING
                 return response
-            evaluations.append(genome if isinstance(genome, Evaluation) else self._evaluation(genome, task, request.seed))
+            evaluations.append(genome if isinstance(genome, Evaluation) else self._evaluation(genome, task, request.seed, bar))
         response.evaluations = [evaluation_message(evaluation) for evaluation in evaluations]
         return response
 
-    def _evaluation(self, genome, task, seed) -> Evaluation:
+    def _evaluation(self, genome, task, seed, bar) -> Evaluation:
         """Of one genome: what goes wrong with it harms no other of its batch."""
         try:
-            return evaluate(genome, task, seed)
+            return evaluate(genome, task, seed, bar)
         except Exception as error:
             cause = told(error)
         self._callbacks.warn("evaluation", f"the evaluation of a genome of {len(genome)} elements failed: {cause}", error=True)
@@ -200,6 +204,17 @@ def _genome_or_fault(message) -> Genome | Evaluation:
         return genome_from_message(message)
     except GenomeError as error:
         return invalid(brief(error))
+
+
+def _fault_of_bars(request) -> str:
+    """What is wrong with the bars of a request, or nothing."""
+    bars, count = request.bars, len(request.genomes)
+    if len(bars) not in (0, count):
+        return f"{len(bars)} bars for {count} genomes: give one for each, -inf where a life is not to stop, or none at all"
+    for k, bar in enumerate(bars):
+        if math.isnan(bar):
+            return f"bars[{k}] is not a number: give metres, or -inf where a life is not to stop"
+    return ""
 
 
 def _fixed(meaning: str, low: int | None = None, high: int | None = None) -> ParameterDescriptor:

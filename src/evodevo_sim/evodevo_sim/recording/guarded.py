@@ -12,9 +12,9 @@ from .writer import Recorder
 class GuardedRecorder(Recorder):
     """A `Recorder` that is closed, with its metadata, also by `command_process.end_now`, which another thread calls."""
 
-    def __init__(self, directory: str | os.PathLike):
+    def __init__(self, directory: str | os.PathLike, go_on: bool = False):
         self._guard = ExitStack()
-        super().__init__(directory)
+        super().__init__(directory, go_on)
 
     def __enter__(self) -> GuardedRecorder:
         self._guard.enter_context(if_ended(self.close_for_good))

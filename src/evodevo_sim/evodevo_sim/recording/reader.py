@@ -174,10 +174,19 @@ class _Collected:
     def _begin_of_run(self, chosen) -> int:
         """ns, when the last of several runs in one directory began."""
         settings = chosen.get(SETTINGS, [])
-        if len({one.data for _, one in settings}) < 2:
+        if len({self._without_limits(one) for _, one in settings}) < 2:
             return -(2**63)
         _note(self._recording, f"{self._recording.path} holds {len(settings)} runs: the last one is read")
         return settings[-1][1].log_time
+
+    def _without_limits(self, one: Stored) -> bytes | str:
+        """The settings of a run but for its limits, which may be raised when it is resumed: that begins no other run."""
+        try:
+            settings = self._decoders[one.channel](one.data)
+        except Undecodable:
+            return one.data
+        settings.generations = settings.patience = 0
+        return repr(settings)
 
     def _decoded(self, entry: Topic, messages, bad: _Bad) -> list[tuple[int, object]]:
         kept: list[tuple[int, object]] = []

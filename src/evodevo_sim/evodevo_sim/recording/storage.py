@@ -52,6 +52,9 @@ def messages_of(file: Path, damage: Damage, progress: bool = False) -> Iterator[
     try:
         with open(file, "rb") as stream:
             begin = stream.read(16)
+        if not begin:  # of a writer that was killed when it had just made it
+            damage.cut = f"the end of {file} is missing"
+            return
         compression = compression_of(begin)
         if compression:
             how = f"decompress it first, e.g. by `{compression} -d`"

@@ -13,29 +13,13 @@ import yaml
 from mcap.writer import CompressionType, Writer
 from rclpy.serialization import serialize_message
 
-from ..ros.topics import EVENTS, Quality, role_of
+from ..whole_file import written_whole
 from .definitions import RecordingError, definition, type_hash, type_name
+from .parts import Part, Plain, files_of_recorder, mended_part, metadata, next_name, quality_of
 
 _CHUNK = 128 * 1024  # bytes of messages that share a compressed chunk
 _LAST_MESSAGE = 2.0  # s for the message that is being written when the process is ended
 _KEEP_WITHIN = 0.5  # s after which a message is in the file, come what may
-_INFINITE = {"sec": 9223372036, "nsec": 854775807}
-
-
-class _Plain(yaml.SafeDumper):
-    """Without anchors: each topic's entry can be read alone."""
-
-    def ignore_aliases(self, _):
-        return True
-
-
-def _described(quality: Quality) -> dict:
-    """A quality of service as rosbag2 tells it."""
-    return {
-        "history": "keep_last", "depth": quality.depth, "reliability": "reliable" if quality.reliable else "best_effort",
-        "durability": "transient_local" if quality.latched else "volatile", "deadline": _INFINITE, "lifespan": _INFINITE,
-        "liveliness": "automatic", "liveliness_lease_duration": _INFINITE, "avoid_ros_namespace_conventions": False,
-    }
 
 
 class Recorder:
@@ -45,23 +29,30 @@ class Recorder:
     asks the disk to keep it: a power cut takes what was written in the last second, and what a slow disk had not kept by then.
     Any thread may write.
 
-    Args: directory: made anew, with its parents.  Raises RecordingError where it exists or cannot be written.
+    Args: directory: made anew, with its parents; go_on: it is there, and the recording that it holds goes on in another file, once its
+        files are mended where they are damaged.
+    Raises RecordingError where it exists, or does not, or cannot be written.
     """
 
-    def __init__(self, directory: str | os.PathLike):
+    def __init__(self, directory: str | os.PathLike, go_on: bool = False):
         self.directory = Path(directory)
-        self._name = f"{self.directory.resolve().name}_0.mcap"
-        self._channels: dict[str, dict] = {}
-        self._first, self._last = 2**63, 0
+        self.mend = "make room and run again"  # what to do where the disk is full
+        self._channels: dict[str, int] = {}
         try:
-            self.directory.mkdir(parents=True)
-            self._file = open(self.directory / self._name, "wb")  # noqa: SIM115  (closed by `close`)
+            if not go_on:
+                self.directory.mkdir(parents=True)
+            files = files_of_recorder(self.directory)
+            self._before = [mended_part(file) for file in files]
+            self._part = Part(next_name(self.directory, files))
+            self._file = open(self.directory / self._part.name, "xb")  # noqa: SIM115  (closed by `close`)
+            (self.directory / "metadata.yaml").unlink(missing_ok=True)  # it would hide this file, if we are killed
         except FileExistsError:
             raise RecordingError(f"{self.directory} exists already and is never overwritten: choose another directory") from None
         except OSError as error:
             raise RecordingError(f"{self.directory} cannot be written ({error.strerror}): choose another directory") from None
         self._writer = Writer(self._file, chunk_size=_CHUNK, compression=CompressionType.ZSTD)
         self._writer.start(profile="ros2", library="evodevo")
+        self._file.flush()  # a file of no bytes is no recording
         self._lock = threading.Lock()
         self._failed: RecordingError | None = None  # in the thread
         self._waiting, self._ending = threading.Event(), threading.Event()  # messages that are not in the file yet; the end
@@ -84,10 +75,10 @@ class Recorder:
         with self._lock, self._one_line_errors():
             if self._failed:
                 raise self._failed
-            channel = self._channels.get(topic) or self._add_channel(topic, type(message))
-            self._first, self._last = min(self._first, stamp), max(self._last, stamp)
-            channel["count"] += 1
-            self._writer.add_message(channel["id"], stamp, data, stamp, channel["count"])
+            topic, name = "/" + topic.lstrip("/"), type_name(type(message))
+            channel = self._channels.get(topic) or self._add_channel(topic, name)
+            self._part.take(topic, name, type_hash(name), stamp)
+            self._writer.add_message(channel, stamp, data, stamp, self._part.counts[topic])
         self._waiting.set()
 
     def flush(self) -> None:
@@ -138,9 +129,9 @@ class Recorder:
             self._finish()
 
     def _finish(self) -> None:
-        if not self._channels:
+        if not (self._channels or self._before):
             self._file.close()
-            if [path.name for path in self.directory.iterdir()] == [self._name]:
+            if [path.name for path in self.directory.iterdir()] == [self._part.name]:
                 shutil.rmtree(self.directory, ignore_errors=True)
             return
         with self._one_line_errors():
@@ -150,50 +141,27 @@ class Recorder:
                 self._sync()
             finally:
                 self._file.close()
-            text = yaml.dump(self._metadata(), Dumper=_Plain, sort_keys=False)
-            (self.directory / "metadata.yaml").write_text(text, encoding="utf-8")
+            if not self._channels:
+                (self.directory / self._part.name).unlink()
+            text = yaml.dump(metadata([*self._before, *([self._part] if self._channels else [])]), Dumper=Plain, sort_keys=False)
+            with written_whole(self.directory / "metadata.yaml", ".yaml") as name:
+                Path(name).write_text(text, encoding="utf-8")
 
-    def _add_channel(self, topic, message_type):
-        entry = role_of(topic)
-        name, quality = type_name(message_type), [_described(entry.service if entry else EVENTS)]
+    def _add_channel(self, topic: str, name: str) -> int:
         schema = self._writer.register_schema(name, "ros2msg", definition(name).encode())
-        described = {"offered_qos_profiles": yaml.dump(quality, Dumper=_Plain, sort_keys=False), "topic_type_hash": type_hash(name)}
-        number = self._writer.register_channel("/" + topic.lstrip("/"), "cdr", schema, described)
-        self._channels[topic] = {"id": number, "type": name, "quality": quality, "hash": described["topic_type_hash"], "count": 0}
+        about = {"offered_qos_profiles": yaml.dump(quality_of(topic), Dumper=Plain, sort_keys=False), "topic_type_hash": type_hash(name)}
+        self._channels[topic] = self._writer.register_channel(topic, "cdr", schema, about)
         return self._channels[topic]
 
-    def _metadata(self) -> dict:
-        """The contents of metadata.yaml, version 9, as rosbag2 of Jazzy writes it."""
-        count = sum(channel["count"] for channel in self._channels.values())
-        span = {"starting_time": {"nanoseconds_since_epoch": self._first}, "duration": {"nanoseconds": self._last - self._first}}
-        topics = [
-            {
-                "topic_metadata": {
-                    "name": "/" + topic.lstrip("/"), "type": channel["type"], "serialization_format": "cdr",
-                    "offered_qos_profiles": channel["quality"], "type_description_hash": channel["hash"],
-                },
-                "message_count": channel["count"],
-            }
-            for topic, channel in self._channels.items()
-        ]
-        return {
-            "rosbag2_bagfile_information": {
-                "version": 9, "storage_identifier": "mcap", "duration": span["duration"], "starting_time": span["starting_time"],
-                "message_count": count, "topics_with_message_count": topics, "compression_format": "", "compression_mode": "",
-                "relative_file_paths": [self._name], "files": [{"path": self._name, **span, "message_count": count}],
-                "custom_data": None, "ros_distro": "jazzy",
-            }
-        }
-
     def _one_line_errors(self):
-        return _OneLine(self.directory)
+        return _OneLine(self.directory, self.mend)
 
 
 class _OneLine:
     """Turns an operating system's error into a RecordingError."""
 
-    def __init__(self, directory):
-        self._directory = directory
+    def __init__(self, directory: Path, mend: str):
+        self._directory, self._mend = directory, mend
 
     def __enter__(self):
         pass
@@ -201,5 +169,5 @@ class _OneLine:
     def __exit__(self, _, error, __):
         if isinstance(error, OSError):
             raise RecordingError(
-                f"{self._directory}: recording stopped ({error.strerror}): what came before is kept; make room and run again"
+                f"{self._directory}: recording stopped ({error.strerror}): what came before is kept: {self._mend}"
             ) from None

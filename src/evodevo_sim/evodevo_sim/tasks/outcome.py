@@ -23,6 +23,7 @@ class Status(IntEnum):
     INVALID_GENOME = ends.INVALID_GENOME
     UNSETTLED = ends.UNSETTLED
     NO_ROOM = ends.NO_ROOM
+    STOPPED = ends.STOPPED
 
 
 STIFF = f"the body needs more than {MOST_SUBSTEPS} physics steps in a control step: lower stiffness, damping or pressure, or raise mass"
@@ -89,6 +90,14 @@ def failure(status: Status, metrics: Metrics, step: int = -1, cause: str = "") -
     """The evaluation of what cannot be scored.  Args: step: control step at which it failed, -1 for none; cause: if not the usual."""
     fitness, usual = FAILURE[status]
     return Evaluation(fitness, status, (cause or usual) + (f", at control step {step}" if step >= 0 else ""), metrics)
+
+
+def stopped(bound: float, metrics: Metrics) -> Evaluation:
+    """The evaluation of a life that was stopped, since its fitness could not reach the bar any more: no failure, and nobody's fitness.
+
+    Args: bound: what its fitness could have been at the most, below the bar; metrics: of the body; nothing is known of its motion.
+    """
+    return Evaluation(bound, Status.STOPPED, "", metrics)
 
 
 def by_body(run: Callable[..., Any]) -> Callable[..., Any]:

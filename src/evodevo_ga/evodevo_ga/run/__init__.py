@@ -1,0 +1,1 @@
+"""What `evolve` does with an `Evolution`: finds who evaluates, evaluates, records, and tells the outcome."""
