@@ -30,6 +30,7 @@ setup(
     entry_points={
         "console_scripts": [
             "evolve = evodevo_ga.commands:evolve",
+            "gallery = evodevo_ga.commands:gallery",
         ],
     },
 )

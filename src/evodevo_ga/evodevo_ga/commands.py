@@ -10,3 +10,10 @@ def evolve() -> Main:
     from .evolve_command import main
 
     return main
+
+
+@command
+def gallery() -> Main:
+    from .gallery.command import main
+
+    return main

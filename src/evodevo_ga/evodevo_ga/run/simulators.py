@@ -24,7 +24,9 @@ _START = 60.0  # s for one of our own to start
 class Evaluator(Protocol):
     """What a run asks for its evaluations."""
 
-    def evaluate(self, genomes: list[Genome], task: Task, seed: int, stop: Callable[[], bool], best: float) -> Sequence[Evaluation] | None:
+    def evaluate(
+        self, genomes: list[Genome], task: Task, seed: int, stop: Callable[[], bool], best: float, bars: Sequence[float]
+    ) -> Sequence[Evaluation] | None:
         """The evaluations of genomes, in order; None when `stop()` said to stop.  Raises FleetError when nobody can go on.
 
         Args: best: fitness from which on the best of these genomes is evaluated here too.
