@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from evodevo_ga.arguments import parse
 from evodevo_ga.feasible import check
+from evodevo_ga.settings import UNLIMITED
 from evodevo_sim.parameters import with_settings
 from evodevo_sim.physics.forces import make_law
 from evodevo_sim.physics.step_size import choose_substeps
-from evodevo_ga.settings import UNLIMITED
 from genomes import first_viable
 from searches import stand_in
 
@@ -55,7 +55,7 @@ def test_what_cannot_work_gets_one_line_and_exit_code_2(capsys, arguments, says)
 def test_what_can_work_is_not_refused(tmp_path):
     save_genome(tmp_path / "one.yaml", random_genome(np.random.default_rng(1)))
     for arguments in (
-        [], ["--cells", "4", "--fillings", "2", "--elongations", "3"], ["--scheme", "niches", "--cells", "3"], ["--scheme", "alps"], ["--scheme", "niches"], ["--scheme", "paper"],
+        [], ["--cells", "3"], ["--cells", "5"], ["--scheme", "alps"], ["--scheme", "niches"], ["--scheme", "paper"],
         ["--units", "0", "--start", str(tmp_path / "one.yaml")],
         ["--set", "control_step=1"], ["--set", "material.stiffness=1e9"], ["--set", "development.steps=2"], [*STILL, "--flip", "0.1"],
         ["--task", "walk"], ["--task", "chemotaxis", "--scent-mutation", "1", *STILL],

@@ -31,7 +31,8 @@ if TYPE_CHECKING:
 GROWTH = 0.125  # of an evaluation, that growth alone takes
 _CHUNK = 16  # children drawn side by side
 _MEMORY = 0.9  # of what an emitter brought, a batch later
-_LEAST_SHARE = 0.15  # of the children, for each emitter
+_LEAST = {"keep": 0.4}  # share of the children, for an emitter; the champion is refined by what keeps its body
+_LEAST_SHARE = 0.1  # for any other
 
 
 class Archive(Search):
@@ -124,7 +125,8 @@ class Archive(Search):
                 kind = self.kind(grown)
                 if kind is not None and grown.key not in lived:
                     lived.add(grown.key)
-                    children.append(replace(found.child, growths=growths, bar=bars.get(kind, -np.inf), operators=(found.by, *found.child.operators)))
+                    made = (found.by, *found.child.operators)
+                    children.append(replace(found.child, growths=growths, bar=bars.get(kind, -np.inf), operators=made))
                     worth, growths = worth + 1.0, 0
         return children or [Child(elites[0].genome, elites[0].born, parents=(elites[0].number,))]
 
@@ -152,7 +154,8 @@ class Archive(Search):
     def shares(self) -> np.ndarray:
         """Of the children, by emitter: in proportion to what its children have lately brought, beyond a least one for each."""
         gain = np.array([(brought + 1e-3) / (children + 1.0) for brought, children in self._brought.values()])
-        return _LEAST_SHARE + (1.0 - _LEAST_SHARE * gain.size) * gain / gain.sum()
+        least = np.array([_LEAST.get(name, _LEAST_SHARE) if gain.size > 1 else 0.0 for name in self._brought])
+        return least + (1.0 - least.sum()) * gain / gain.sum()
 
     def _learn(self, children: list[Individual], before: dict[int, Individual], after: dict[int, Individual]) -> None:
         """Credit emitters with what the fitness of all elites has gained by their children."""

@@ -136,7 +136,7 @@ def parse(arguments: list[str]) -> Options:
         task = with_settings(task, numbers | (preset(given.preset) if given.preset else {}) | dict(pairs(given.set)))
         chosen = {field.name: getattr(given, field.name) for field in dataclasses.fields(Settings)}
         chosen = {name: value for name, value in chosen.items() if value is not None}
-        name = default_scheme(task.name, chosen) if given.scheme is None else given.scheme
+        name = default_scheme(task.name, chosen, task.development.max_cells) if given.scheme is None else given.scheme
         settings = Settings(**scheme(name, task.name) | chosen)
         search_of(settings, name)
         start = tuple(load_genome(_genome_file(Path(place))) for place in given.start)

@@ -1,4 +1,4 @@
-"""Emitters: where children of an archive come from.  Each draws a child of elites and grows it, again where it does not come out as meant."""
+"""Emitters: where children of an archive come from.  Each draws a child of elites, and again where it grows to another than meant."""
 
 from __future__ import annotations
 

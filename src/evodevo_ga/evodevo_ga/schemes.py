@@ -77,22 +77,24 @@ for _scheme in (
     Scheme("niches", "of body shapes", {"niches": 5, "founders": 1000, "point_decades": 1.0, "tournament": 2}, _NICHES),
     Scheme(
         "archive", "of unlike bodies",
-        {"elongations": 12, "fillings": 6, "redraws": 8, "founders": 2500, "units": 44, "apart": 9.0, "tournament": 4}, _ARCHIVE,
+        {"elongations": 12, "fillings": 6, "redraws": 8, "founders": 2500, "units": 44, "apart": 9.0, "tournament": 10}, _ARCHIVE,
     ),
 ):
     register(_scheme)
 
 # The settings that part a population when above 1, and the search that does it.
+_CELLS = 5  # from which on bodies are unlike enough for an archive
 _PARTING = {"layers": _LAYERS, "niches": _NICHES}
 
 
-def default_scheme(task: str, settings: dict[str, float] | None = None) -> str:
-    """The scheme of a search that names none: what suits the task, one population where its settings part one.
+def default_scheme(task: str, settings: dict[str, float] | None = None, cells: int = 32) -> str:
+    """The scheme of a search that names none: what suits the task; one population where its settings part one, or bodies are tiny.
 
     docs/reference/search.md tells what each scheme is.
     """
     chosen = settings or {}
-    return "panmictic" if any(chosen.get(name, 1) > 1 for name in _PARTING) else known_kind(task).scheme
+    other = any(chosen.get(name, 1) > 1 for name in _PARTING) or cells < _CELLS
+    return "panmictic" if other else known_kind(task).scheme
 
 
 def scheme_of(name: str) -> Scheme:

@@ -29,7 +29,7 @@ class Settings(Checked):
     founders: int = parameter(0, 0, 1_000_000, "", "genomes in the first generation, of which the best stay; 0: as many as the population")
     elongations: int = parameter(1, 1, 1000, "", "of bodies, parts of their range that an archive keeps apart")
     fillings: int = parameter(1, 1, 1000, "", "shares of chambers, parts of their range that an archive keeps apart")
-    redraws: int = parameter(0, 0, 1000, "", "times at the most that an archive's child is drawn again, until it grows the body that it should")
+    redraws: int = parameter(0, 0, 1000, "", "times at the most that an archive's child is drawn again, until its body is as meant")
     crossover: float = parameter(0.2, 0.0, 1.0, "", "share of the children that have two parents")
     point_mutation: float = parameter(0.03, 0.0, 1.0, "", "probability that an element's point moves")
     point_scale: float = parameter(1.0, 0.0, 1e3, "", "standard deviation of the length of that move")
