@@ -3,13 +3,15 @@
 import csv
 import json
 import math
+import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 from evodevo_ga.gallery.command import main
 from evodevo_ga.gallery.content import axis_of, read_content
 from evodevo_ga.gallery.draw import gallery
-from evodevo_ga.gallery.lives import FOLDER, TABLE
+from evodevo_ga.gallery.lives import FOLDER, TABLE, live
 from evodevo_ga.keeping.checkpoint import Checkpoints
 from evodevo_ga.keeping.limits import Limits
 from evodevo_sim.tasks.grown import grow
@@ -98,6 +100,30 @@ def test_a_recorded_fitness_that_is_not_its_own_fails(tmp_path, evolution):
     found = gallery(run, audits=False, say=pytest.fail)
     assert [one.stands for one in found.animals].count(False) == 1
     assert max(found.animals, key=lambda one: one.fitness).stands is False
+
+
+def test_who_interrupts_it_does_not_wait_for_all_lives(run, monkeypatch):
+    lived, left = [], threading.Event()
+
+    class Pool(ThreadPoolExecutor):
+        def shutdown(self, *arguments, **how):
+            super().shutdown(False, cancel_futures=how.get("cancel_futures", False))
+            left.set()
+            super().shutdown()
+
+    def life(animal, *_):
+        lived.append(animal)
+        assert len(lived) == 1 or left.wait(60.0)
+
+    def interrupt():
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("evodevo_ga.gallery.lives._life", life)
+    monkeypatch.setattr("evodevo_ga.gallery.lives.ThreadPoolExecutor", Pool)
+    content, _ = read_content(run)
+    with pytest.raises(KeyboardInterrupt):
+        live(content, done=interrupt)
+    assert len(content.animals) > 3 and len(lived) <= 2
 
 
 def test_a_run_without_an_archive_says_what_can_be_drawn(tmp_path, capsys):

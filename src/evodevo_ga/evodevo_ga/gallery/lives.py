@@ -62,7 +62,12 @@ def live(content: Content, audits: bool = True, workers: int = 1, done: Callable
         return found
 
     with ThreadPoolExecutor(workers) as pool:
-        return list(pool.map(one, content.animals))
+        under_way = [pool.submit(one, animal) for animal in content.animals]
+        try:
+            return [future.result() for future in under_way]
+        except BaseException:  # Ctrl-C among them: it does not wait for those that have not begun
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
 
 
 def _life(animal: Animal, task: Task, seed: int, audits: bool) -> Life:
