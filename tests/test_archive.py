@@ -154,7 +154,7 @@ def test_what_an_archive_lacks_is_said_before_the_first_evaluation():
         Archive(Settings(), measures=("colour",))
     with pytest.raises(ParameterError, match="emitter 'cma' is unknown: choose one of keep"):
         Archive(Settings(), emitters=("cma",))
-    with pytest.raises(ParameterError, match="settings.founders is 12: give more, no body of those"):
+    with pytest.raises(ParameterError, match=r"settings.founders is 12: give more, no body of those"):
         evolution_of(extent=1e3, founders=12).ask()  # where no product is near a receptor
     state = evolution_of().state()
     state["search"]["brought"]["keep"] = [float("nan"), 0.0]

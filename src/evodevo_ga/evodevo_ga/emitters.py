@@ -61,7 +61,8 @@ def change_body(elites: list[Individual], settings: Settings, nursery: Nursery, 
 def graft_gait(elites: list[Individual], settings: Settings, nursery: Nursery, rng: np.random.Generator) -> Draft:
     """The body of any elite with the gait of a good one, changed or not."""
     body, gait = elites[rng.integers(len(elites))], Parents(elites).draw(rng, settings.tournament)
-    genome, made = graft(body.genome, gait.genome), ("crossover",)
+    genome = graft(body.genome, gait.genome)
+    made: tuple[str, ...] = ("crossover",)
     if rng.random() < 0.5:
         genome, more = varied(genome, ~growth_part(genome), rng, FINE)
         made += more

@@ -58,11 +58,11 @@ def random_parted(rng: np.random.Generator, units: int, extent: float, apart: fl
         side = -apart if number >= every - gait else apart
         sides += [0.0 if k == REGULATORY and rng.random() < _RECEIVES_INPUT else side for k in kind]
         kinds += kind
-    side = np.array(sides)
-    points = rng.uniform(-extent, extent, (len(kinds), 2)) * np.where(side < 0.0, _DENSE, 1.0)[:, None]
+    shift = np.array(sides)
+    points = rng.uniform(-extent, extent, (len(kinds), 2)) * np.where(shift < 0.0, _DENSE, 1.0)[:, None]
     if scent_extent:
         points[_SCENT] = rng.uniform(-scent_extent, scent_extent, 2)
-    return Genome(np.array(kinds), rng.choice((-1, 1), len(kinds)), points[:, 0] + side, points[:, 1])
+    return Genome(np.array(kinds), rng.choice((-1, 1), len(kinds)), points[:, 0] + shift, points[:, 1])
 
 
 def graft(body: Genome, gait: Genome) -> Genome:
