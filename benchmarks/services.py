@@ -1,10 +1,10 @@
 """What ROS costs: generations through simulator nodes against the same evaluations in this process, in turns in one run.
 
-    python benchmarks/services.py [--rounds N] [--population N] [--cells N] [--workers N]
+    python benchmarks/services.py [--rounds N] [--population N] [--cells N] [--workers N] [--nodes]
 
 A round is a generation as a search in one population asks for it, the next one after the last.  Prints seconds for a
 generation, the service's overhead as the median of the rounds' ratios, what share of it the messages take on our side, whether both gave
-the same bits, and the memory of a simulator node.
+the same bits, and the memory of the simulator nodes together.
 """
 
 from __future__ import annotations
@@ -15,8 +15,9 @@ import time
 
 import psutil
 import rclpy
-from evodevo_ga.fleet import Fleet
+from evodevo_ga.backends.ros import RosBackend
 from evodevo_ga.in_process import evaluate_all
+from evodevo_ga.pool.driver import Pool
 from evodevo_ga.times import EVALUATION, MESSAGES, Times
 from evodevo_sim.parameters import with_settings
 from evodevo_sim.ros.loopback import loopback_alone
@@ -62,6 +63,7 @@ def main():
     parser.add_argument("--population", type=int, default=100)
     parser.add_argument("--cells", type=int, default=32)
     parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--nodes", action="store_true", help="a node for each worker, not one node with a thread for each")
     parser.add_argument("--generations", type=int, default=12, help="evolved before measuring")
     given = parser.parse_args()
     task = with_settings(Task(), {"development.max_cells": given.cells})
@@ -72,14 +74,16 @@ def main():
         rclpy.init()
     node, executor = rclpy.create_node("benchmark"), EventsExecutor()
     executor.add_node(node)
-    with OwnSimulators(given.workers) as own:
+    count, threads = (given.workers, 1) if given.nodes else (1, given.workers)
+    with OwnSimulators(count, threads=threads) as own:
         times = Times()
-        fleet = Fleet(node, executor, own.services, times)
-        fleet.wait(60.0, own.alive)
+        pool = Pool(RosBackend(node, executor, own=own, times=times))
+        while len(pool) < count:
+            pool.wait(60.0)
         ways = {
             "in this process": lambda genomes: evaluate_all(genomes, task, SEED, given.workers),
             "through simulators": lambda genomes: watched(
-                times, fleet.evaluate, genomes, task, SEED, lambda: False, evolution.champion.evaluation.fitness
+                times, pool.evaluate, genomes, task, SEED, lambda: False, evolution.champion.evaluation.fitness
             ),
         }
         seconds, work = {name: [] for name in ways}, dict.fromkeys(ways, 0.0)
@@ -116,7 +120,7 @@ def main():
     share = parts[MESSAGES] / (parts[MESSAGES] + parts[EVALUATION])
     print(f"  making, sending and reading messages: {100 * share:.1f} % of a generation; the rest is waiting for simulators")
     print(f"  equal bits: {equal}")
-    print(f"  memory of a simulator: {max(memory):.0f} MB")
+    print(f"  memory of {len(memory)} simulators: {sum(memory):.0f} MB")
 
 
 if __name__ == "__main__":

@@ -22,13 +22,13 @@ TASK = with_settings(Task(), {"development.max_cells": 12, "control_steps": 40})
 # A simulator that has no memory for one genome, whatever its library says.
 WITHOUT_MEMORY = """
 import sys
-from evodevo_sim.nodes import simulator
-right = simulator.evaluate
+from evodevo_sim.nodes import evaluations
+right = evaluations.evaluate
 def evaluate(genome, task, seed):
     if len(genome) == {length}:
         raise MemoryError("no room" * 1000)
     return right(genome, task, seed)
-simulator.evaluate = evaluate
+evaluations.evaluate = evaluate
 from evodevo_sim.commands.entry import simulator as entry
 sys.argv = ["simulator", "--ros-args", "-r", "__ns:={namespace}"]
 sys.exit(entry())

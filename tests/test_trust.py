@@ -11,10 +11,15 @@ from contextlib import ExitStack
 import numpy as np
 import pytest
 from evodevo_ga.auditor import Auditor
+from evodevo_ga.backends.contract import Batch
+from evodevo_ga.backends.ros import RosBackend
 from evodevo_ga.evolution import Individual
-from evodevo_ga.fleet import Fleet, FleetError
 from evodevo_ga.in_process import evaluate_all
 from evodevo_ga.operators import crossover, duplicate
+from evodevo_ga.pool.driver import CONDEMNED, Pool
+from evodevo_ga.pool.quarantine import DIRECTORY
+from evodevo_ga.pool.trial import judged
+from evodevo_ga.pool.vigil import PoolError
 from evodevo_sim.genetics.elements import REGULATORY, TRANSCRIPTION_FACTOR
 from evodevo_sim.genetics.limits import MAX_ELEMENTS
 from evodevo_sim.live.animat import Animat, NotViable
@@ -45,70 +50,56 @@ def right(genomes):
     return evaluate_all(genomes, TASK, SEED)
 
 
-class Listener:
-    """The node of an operator, whose warnings are kept."""
-
-    def __init__(self, node):
-        self.create_client = node.create_client
-        self.lines = []
-
-    def get_logger(self):
-        return self
-
-    def warning(self, line):
-        self.lines.append(line)
-
-
 @pytest.fixture
-def fleet_of():
-    """fleet_of(faults...) -> (fleet, its warnings); a fault of None is honest."""
+def pool_of(tmp_path):
+    """pool_of(faults...) -> (pool, its lines); a fault of None is honest."""
     with ExitStack() as stack:
         operator = stack.enter_context(Operator())
 
-        def make(*faults):
-            names = []
+        def make(*faults, judge=None):
+            names, lines = [], []
             for fault in faults:
                 names.append(f"/trust_{os.getpid()}_{next(_numbers)}/evaluate")
                 stack.enter_context(service(names[-1], *([fault] if fault else [])))
-            listener = Listener(operator.node)
-            fleet = Fleet(listener, operator.executor, names)
-            fleet.wait(20.0)
-            return fleet, listener.lines
+            backend = RosBackend(operator.node, operator.executor, names, say=lines.append, away=0.5)
+            stack.callback(backend.close)
+            operator.until(lambda: len(backend.workers) == len(names))
+            return Pool(backend, lines.append, tmp_path, give_up_after=0.0, judge=judge), lines
 
         yield make
 
 
 @pytest.mark.parametrize("name", FAULTS)
-def test_a_node_that_breaks_the_contract_is_dropped_in_one_line_and_changes_no_fitness(fleet_of, genomes, right, name):
-    fleet, lines = fleet_of(FAULTS[name], None)
-    assert fleet.evaluate(genomes, TASK, SEED) == right
-    assert len(fleet) == 1 and len(lines) == 1 and "going on without simulator" in lines[0]
+def test_a_node_that_breaks_the_contract_is_dropped_in_one_line_and_changes_no_fitness(pool_of, genomes, right, name):
+    pool, lines = pool_of(FAULTS[name], None)
+    assert pool.evaluate(genomes, TASK, SEED) == right
+    assert len(pool) == 1 and len(lines) == 1 and "going on without simulator" in lines[0]
     assert len(lines[0]) <= 300 and "\n" not in lines[0]
 
 
 @pytest.mark.parametrize("name", FAULTS)
-def test_alone_it_ends_the_run_in_one_line(fleet_of, genomes, name):
-    fleet, _ = fleet_of(FAULTS[name])
+def test_alone_it_ends_the_run_in_one_line(pool_of, genomes, name):
+    pool, _ = pool_of(FAULTS[name])
     if name == "all are invalid later":  # nobody can contradict it: these genomes count as failed, and beat nobody
-        found = fleet.evaluate(genomes, TASK, SEED)
+        found = pool.evaluate(genomes, TASK, SEED)
         assert {e.status for e in found[3:]} <= {Status.INVALID_GENOME, *Status} and all(math.isfinite(e.fitness) for e in found)
         return
-    with pytest.raises(FleetError, match="no simulator is left") as error:
-        fleet.evaluate(genomes, TASK, SEED)
+    with pytest.raises(PoolError, match="no simulator is left") as error:
+        pool.evaluate(genomes, TASK, SEED)
     assert len(str(error.value)) <= 300 and "\n" not in str(error.value)
 
 
-def test_bars_go_to_the_nodes_and_their_answers_are_proved_with_the_same_bars(fleet_of, genomes, right):
+def test_bars_go_to_the_nodes_and_their_answers_are_proved_with_the_same_bars(pool_of, genomes, right):
     bars = [one.fitness + (0.5 if k % 2 else -0.5) for k, one in enumerate(right)]
     wanted = evaluate_all(genomes, TASK, SEED, 2, bars)
     stopped = [one.status == Status.STOPPED for one in wanted]
     assert 0 < sum(stopped) < len(right)
-    fleet, lines = fleet_of(None, changed(status=9, cause="", fitness=1e6))  # not below any bar
-    assert fleet.evaluate(genomes, TASK, SEED, bars=bars) == wanted
-    assert len(fleet) == 1 and "stopped a life" in lines[0]
+    pool, lines = pool_of(None, changed(status=9, cause="", fitness=1e6))  # not below any bar
+    assert pool.evaluate(genomes, TASK, SEED, bars=bars) == wanted
+    assert len(pool) == 1 and "stopped a life" in lines[0]
     bars = [1e5] * len(genomes)
-    assert fleet.evaluate(genomes, TASK, SEED, best=-10.0, bars=bars) == evaluate_all(genomes, TASK, SEED, 1, bars)
-    assert len(fleet) == 1
+    assert pool.evaluate(genomes, TASK, SEED, best=-10.0, bars=bars) == evaluate_all(genomes, TASK, SEED, 1, bars)
+    assert len(pool) == 1
 
 
 @pytest.mark.parametrize("bars", [[1.0], [1.0] * 25])
@@ -128,18 +119,42 @@ def mortal(length):
     return fault
 
 
-def test_a_genome_that_ends_two_nodes_counts_as_failed_and_no_other_does(fleet_of, genomes, right):
-    killer = beating()
-    killer = killer.take(np.append(np.arange(len(killer)), [len(killer) - 1] * 200))
-    fleet, lines = fleet_of(*[mortal(len(killer))] * 3)
+def marked():
+    """A genome that is told from others by its length, and lives."""
+    return beating().take(np.append(np.arange(len(beating())), [len(beating()) - 1] * 200))
+
+
+def test_a_genome_that_ends_two_nodes_counts_as_failed_and_no_other_does(pool_of, genomes, right, tmp_path):
+    killer = marked()
+    pool, lines = pool_of(*[mortal(len(killer))] * 3)
     before, after = genomes[:5], genomes[5:]
-    found = fleet.evaluate([*before, killer, *after], TASK, SEED)
+    found = pool.evaluate([*before, killer, *after], TASK, SEED)
     assert [*found[:5], *found[6:]] == right
-    assert found[5].status == Status.INVALID_GENOME and found[5].cause == "2 simulators ended while they evaluated it"
-    assert len(fleet) == 1 and sum("counts as failed" in line for line in lines) == 1
+    assert found[5].status == Status.INVALID_GENOME and found[5].cause == CONDEMNED
+    assert len(pool) == 1 and sum("counts as failed" in line for line in lines) == 1
+    [file] = (tmp_path / DIRECTORY).iterdir()
+    assert load_genome(file) == killer and CONDEMNED in file.read_text() and any(str(file) in line for line in lines)
 
 
-def test_nodes_that_die_of_something_else_change_no_fitness(fleet_of, genomes, right):
+def test_a_genome_that_two_nodes_were_lost_with_is_judged_by_a_process_of_its_own(pool_of, genomes, right, tmp_path):
+    innocent = marked()
+    pool, lines = pool_of(*[mortal(len(innocent))] * 3, judge=judged)
+    assert pool.evaluate([*genomes, innocent], TASK, SEED) == [*right, evaluate(innocent, TASK, SEED)]
+    assert len(pool) == 1 and any("was evaluated here" in line for line in lines) and not (tmp_path / DIRECTORY).exists()
+
+
+def test_a_judge_tells_how_its_process_ended(monkeypatch):
+    batch = Batch((beating(),), TASK, SEED)
+    assert judged(batch, 1.0) == evaluate(beating(), TASK, SEED)
+    for program, says in (("import os; os.abort()", "by signal 6"), ("raise SystemExit(3)", "exit code 3")):
+        monkeypatch.setattr("evodevo_ga.pool.trial.COMMAND", [sys.executable, "-c", program])
+        assert says in judged(batch, 1.0)
+    monkeypatch.setattr("evodevo_ga.pool.trial.COMMAND", [sys.executable, "-c", "import time; time.sleep(1000)"])
+    monkeypatch.setattr("evodevo_ga.pool.trial.START", 0.2)
+    assert "did not end" in judged(batch, 0.1)
+
+
+def test_nodes_that_die_of_something_else_change_no_fitness(pool_of, genomes, right):
     def after(count):
         def fault(request, response, answered):
             if answered == count:
@@ -148,8 +163,8 @@ def test_nodes_that_die_of_something_else_change_no_fitness(fleet_of, genomes, r
 
         return fault
 
-    fleet, lines = fleet_of(after(0), after(2), None)
-    assert fleet.evaluate(genomes, TASK, SEED) == right and len(fleet) == 1 and not any("failed" in line for line in lines)
+    pool, lines = pool_of(after(0), after(2), None)
+    assert pool.evaluate(genomes, TASK, SEED) == right and len(pool) == 1 and not any("failed" in line for line in lines)
 
 
 @given(st.integers(0, 4), st.sampled_from([math.nan, math.inf, -math.inf]))
@@ -219,7 +234,7 @@ def test_a_run_beside_a_rogue_is_the_run_without_one(tmp_path):
         evolution.tell(evaluate_all(evolution.ask(), task, 3))
 
     def run(out):
-        command = [sys.executable, "-m", "evodevo_ga.evolve", *small, "--look", "1", "--quiet", "--out", str(out)]
+        command = [sys.executable, "-m", "evodevo_ga.evolve", *small, "--look", "1", "--give-up-after", "0", "--quiet", "--out", str(out)]
         return subprocess.run(command, capture_output=True, text=True, timeout=DEADLINE)
 
     with service(f"/rogue_{os.getpid()}/evaluate", FAULTS["flatters later"]):

@@ -30,6 +30,9 @@ setup(
     entry_points={
         "console_scripts": [
             "evolve = evodevo_ga.commands:evolve",
+            "gallery = evodevo_ga.commands:gallery",
+            "descent = evodevo_ga.commands:descent",
+            "status = evodevo_ga.commands:status",
         ],
     },
 )

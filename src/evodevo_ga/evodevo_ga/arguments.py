@@ -48,7 +48,8 @@ examples:
 
 Simulator nodes found on the ROS graph do the work, e.g. those that you start yourself by
   ros2 run evodevo_sim simulator --ros-args -r __ns:=/sim_0
-When there are none, or with --simulators N, evolve starts its own, one per core, and ends them.
+Any that come later are used too.  When there are none, evolve starts one of its own with a thread per core, or with --simulators N
+and --threads N as many as these say, and ends them.
 
 The run's directory holds a rosbag2 recording in MCAP, champion.yaml, a checkpoint of the last generation, and every individual
 as Parquet (docs/reference/run.md). See it by
@@ -68,11 +69,13 @@ class Options:
     settings: Settings
     seed: int
     out: Path
-    simulators: int | None  # None: those on the graph, or else one per core
+    simulators: int | None  # None: those on the graph, or else one of our own
     look: float  # s to look for simulators on the graph
     quiet: bool
     start: tuple[Genome, ...] = ()
     scheme: str = "panmictic"
+    threads: int | None = None  # of each simulator of our own; None: one a core in one, or 1 in each of `simulators`
+    give_up_after: float = 3600.0  # s without a simulator
     limits: Limits = NONE
     sources: tuple[str, ...] = ()  # of the start genomes
     resumed: Resumed | None = None  # the run that goes on
@@ -93,6 +96,12 @@ def parse(arguments: list[str]) -> Options:
     )
     parser.add_argument("--out", metavar="DIR", help="directory of the run, made anew (default bags/TASK-DATE-TIME)")
     parser.add_argument("--simulators", type=whole_number, metavar="N", help="start N simulator nodes of our own, whatever is on the graph")
+    threads = "threads of each simulator of our own (default: one a core in one simulator, or 1 where --simulators is given)"
+    parser.add_argument("--threads", type=whole_number, metavar="N", help=threads)
+    parser.add_argument(
+        "--give-up-after", default=3600.0, type=real_number, metavar="S",
+        help="seconds to wait for a simulator where the last one is gone (default %(default)s)",
+    )
     parser.add_argument(
         "--look", default=1.5, type=real_number, metavar="S", help="seconds to look for simulators on the graph (default %(default)s)"
     )
@@ -147,7 +156,12 @@ def parse(arguments: list[str]) -> Options:
         parser.error(str(error))
     out = Path(given.out or f"bags/{task.name}-{datetime.now():%Y%m%d-%H%M%S}")
     limits, sources = Limits(given.evaluations, given.hours), tuple(given.start)
-    return Options(task, settings, given.seed, out, given.simulators, given.look, given.quiet, start, name, limits, sources)
+    return Options(task, settings, given.seed, out, start=start, scheme=name, limits=limits, sources=sources, **_how(given))
+
+
+def _how(given: Any) -> dict[str, Any]:
+    """What decides how a run is worked on, and no bit of it."""
+    return {name: getattr(given, name) for name in ("simulators", "look", "quiet", "threads", "give_up_after")}
 
 
 def _check_numbers(parser: Parser, given: Any) -> None:
@@ -155,6 +169,10 @@ def _check_numbers(parser: Parser, given: Any) -> None:
         parser.error(f"--seed is {given.seed}: give a whole number from 0 to 2^63 - 1")
     if given.simulators is not None and not 1 <= given.simulators <= 256:
         parser.error(f"--simulators is {given.simulators}: give 1 to 256")
+    if given.threads is not None and not 1 <= given.threads <= 1024:
+        parser.error(f"--threads is {given.threads}: give 1 to 1024")
+    if not 0.0 <= given.give_up_after <= 1e9:
+        parser.error(f"--give-up-after is {given.give_up_after}: give 0 to 1e9 seconds")
     if not 0.0 <= given.look <= 3600.0:
         parser.error(f"--look is {given.look}: give 0 to 3600 seconds")
     if given.evaluations is not None and not given.evaluations >= 1:
@@ -176,8 +194,8 @@ def _resumed(parser: Parser, given: Any, arguments: list[str]) -> Options:
         parser.error(str(error))
     e = run.evolution
     return Options(
-        run.task, e.settings, e.seed, run.directory, given.simulators, given.look, given.quiet, e.start, e.scheme, run.limits,
-        run.sources, run,
+        run.task, e.settings, e.seed, run.directory, start=e.start, scheme=e.scheme, limits=run.limits, sources=run.sources, resumed=run,
+        **_how(given),
     )
 
 

@@ -19,10 +19,10 @@ from rclpy.experimental import EventsExecutor
 
 from .arguments import Options, parse
 from .auditor import Auditor
-from .fleet import FleetError
 from .keeping.errors import KeepingError, ResumeError
 from .keeping.lock import Lock, refuse_if_held
 from .keeping.sessions import Sessions
+from .pool.vigil import PoolError
 from .run.loop import Run
 from .run.recorded import Recorded, recorded_in
 from .times import START, Times
@@ -59,7 +59,7 @@ def evolve(options: Options, arguments: list[str]) -> int:
             recorded = recorded_in(options.out)
             _refuse_finished(options, recorded)
             return _run(options, arguments, recorded)
-    except (EnvironmentFault, RecordingError, FleetError, KeepingError, ResumeError) as error:
+    except (EnvironmentFault, RecordingError, PoolError, KeepingError, ResumeError) as error:
         print(f"evolve: {error}", file=sys.stderr)
         return 2
 

@@ -15,13 +15,14 @@ from tqdm import tqdm
 from ..arguments import Options
 from ..auditor import Auditor
 from ..evolution import Evolution, Generation
-from ..fleet import FleetError
+from ..pool.driver import Pool
+from ..pool.vigil import PoolError
 from ..settings import UNLIMITED
 from ..times import AUDITS, BREEDING, EVALUATION, RECORDING, Times, table
 from .journal import Journal
 from .outcome import go_on, record_life, told, why_nothing_evolved
 from .recorded import Recorded
-from .simulators import Evaluator, evaluator_of
+from .simulators import evaluator_of
 
 
 class Run:
@@ -44,20 +45,20 @@ class Run:
         self.journal = Journal(options, recorder, node, auditor, self.evolution, recorded)
 
     def go(self) -> int:
-        """Returns: the exit code.  Raises FleetError when nobody can evaluate any more; what was done is kept then too."""
+        """Returns: the exit code.  Raises PoolError when nobody can evaluate any more; what was done is kept then too."""
         try:
             self.journal.begin()
             if self._ended:  # after its last generation, while it was finishing
                 return self._finish()
             with evaluator_of(self.options, self._node, self._executor, self.times, self.stop, self._began) as evaluator:
                 self._evolve(evaluator)
-        except FleetError:
+        except PoolError:
             if self.evolution.population:
                 self._finish()
             raise
         return self._finish()
 
-    def _evolve(self, evaluator: Evaluator) -> None:
+    def _evolve(self, evaluator: Pool) -> None:
         most = None if self.options.settings.generations == UNLIMITED else self.options.settings.generations
         done, often = self.evolution.generation + 1, 0.1 if sys.stderr.isatty() else 5.0
         with tqdm(total=most, initial=done, unit="gen", disable=self.options.quiet, mininterval=often) as bar:
@@ -73,7 +74,7 @@ class Run:
                 )
                 bar.update()
 
-    def _generation(self, evaluator: Evaluator) -> tuple[Generation, float] | None:
+    def _generation(self, evaluator: Pool) -> tuple[Generation, float] | None:
         """One generation, recorded, and its evaluations/s; None where the user asked to stop."""
         o, champion, began = self.options, self.journal.champion, time.monotonic()
         with self.times(BREEDING):

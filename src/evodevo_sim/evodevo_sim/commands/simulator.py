@@ -18,6 +18,7 @@ names in the namespace:
             reset     std_srvs/srv/Trigger        back to birth, held if it was
   topics    body, cell_states                     of the live animat; body is latched
             actuation                             what its muscles are told, each control step, where somebody listens
+            worker                                who it is and how it evaluates; ros2 run evodevo_ga status shows it
             target_pose (subscribed)              geometry_msgs/PoseStamped; the last good one holds
 
 parameters, e.g. -p publish_every:=4
@@ -25,6 +26,7 @@ parameters, e.g. -p publish_every:=4
   max_batch      1000    genomes in one request, at the most
   publish_every  1       control steps between cell states
   task           swim    task whose first request does not wait for kernels
+  threads        1       requests evaluated at once; 0: one a core
   target_age     1.0     s, of the oldest target that counts; one with a stamp of 0 always does
 
 Nothing leaves this host unless ROS_AUTOMATIC_DISCOVERY_RANGE says so.

@@ -3,37 +3,31 @@
 from __future__ import annotations
 
 import math
-from itertools import repeat
 from typing import Any
 
 from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
 from rclpy.node import Node
 from std_srvs.srv import SetBool, Trigger
 
-from evodevo_msgs.srv import Evaluate, Load
+from evodevo_msgs.srv import Load
 
-from ..genetics.genome import Genome, GenomeError
+from ..genetics.genome import GenomeError
 from ..inputs import shown
 from ..live.animat import Animat, NotViable, Stage, check_pace
 from ..parameters import ParameterError, default_task
-from ..ros.barrier import Callbacks, Desk, brief, told
-from ..ros.messages import (
-    actuation_message,
-    body_message,
-    cell_states_message,
-    evaluation_message,
-    genome_from_message,
-    task_of_request,
-)
+from ..ros.barrier import Callbacks, Desk, brief
+from ..ros.host import cores
+from ..ros.messages import actuation_message, body_message, cell_states_message, genome_from_message, task_of_request
+from ..ros.requests import ENDING
 from ..ros.topics import ACTUATION, BODY, CELL_STATES, TARGET_POSE
 from ..task_kinds import names
-from ..tasks.evaluation import evaluate, invalid, prepare
-from ..tasks.outcome import Evaluation
+from ..tasks.evaluation import prepare
+from .evaluations import Evaluations
 
 
 class Simulator(Node):
-    """The node.  Evaluations are answered one after the other in one thread, births of live animats in another, and the live
-    animat goes on meanwhile in a thread of its own; so what controls it waits for none of them.
+    """The node.  Evaluations are answered in threads of their own (see `Evaluations`), births of live animats in another, and the
+    live animat goes on meanwhile in one more; so what controls it waits for none of them.
 
     Args: stop: an Event; set, a batch ends early.
     """
@@ -44,14 +38,15 @@ class Simulator(Node):
         self._frame = self.declare_parameter("frame_id", "world", _fixed("frame of positions and targets")).value
         if not self._frame:
             raise ParameterError("frame_id is empty: give the name of a frame, e.g. world")
-        self._most = self.declare_parameter("max_batch", 1000, _fixed("genomes in one request, at the most", 1, 10_000)).value
+        most = self.declare_parameter("max_batch", 1000, _fixed("genomes in one request, at the most", 1, 10_000)).value
+        threads = self.declare_parameter("threads", 1, _fixed("requests evaluated at once; 0: one a core", 0, 1024)).value
         every = self.declare_parameter("publish_every", 1, _fixed("control steps between cell states", 1, 100_000)).value
         first = self.declare_parameter("task", names()[0], _fixed("task whose first request does not wait")).value
         self._oldest = _seconds(self, "target_age", 1.0, "s, of the oldest target that counts")
         prepare(default_task(first), self.get_logger().info)
         self._newest = 0  # ns, stamp of the last target
         self._callbacks = Callbacks(self)
-        self._evaluations, self._births = Desk("evaluations"), Desk("births")
+        self._evaluations, self._births = Evaluations(self, self._callbacks, threads or cores(), most, stop.is_set), Desk("births")
 
         self._body = self.create_publisher(BODY.type, BODY.name, BODY.quality)
         self._states = self.create_publisher(CELL_STATES.type, CELL_STATES.name, CELL_STATES.quality)
@@ -59,7 +54,6 @@ class Simulator(Node):
         self._shown = None
         self._stage = Stage(self._show, self._report, every, self._act)
         self._callbacks.subscription(TARGET_POSE.type, TARGET_POSE.name, self._aim, TARGET_POSE.quality)
-        self._callbacks.service(Evaluate, "evaluate", self._evaluate, self._evaluations)
         self._callbacks.service(Load, "load", self._load, self._births)
         self._callbacks.service(SetBool, "pause", self._pause)
         self._callbacks.service(Trigger, "reset", self._reset)
@@ -71,44 +65,11 @@ class Simulator(Node):
         self._stage.close()
         self.destroy_node()
 
-    # --- evaluation ------------------------------------------------------------------------------------------------------
-
-    def _evaluate(self, request, response):
-        if not 0 < len(request.genomes) <= self._most:
-            response.error = f"{len(request.genomes)} genomes in a request: give 1 to {self._most}"
-            return response
-        if fault := _fault_of_bars(request):
-            response.error = fault
-            return response
-        try:
-            task = task_of_request(request.task)
-        except ParameterError as error:
-            response.error = brief(error)
-            return response
-        # Messages before and after all evaluations: one by one between them, where caches hold a body, they cost a generation 1.7 % more.
-        genomes, evaluations = [_genome_or_fault(message) for message in request.genomes], []
-        for genome, bar in zip(genomes, request.bars or repeat(-math.inf)):
-            if self._stop.is_set():
-                response.error = _ENDING
-                return response
-            evaluations.append(genome if isinstance(genome, Evaluation) else self._evaluation(genome, task, request.seed, bar))
-        response.evaluations = [evaluation_message(evaluation) for evaluation in evaluations]
-        return response
-
-    def _evaluation(self, genome, task, seed, bar) -> Evaluation:
-        """Of one genome: what goes wrong with it harms no other of its batch."""
-        try:
-            return evaluate(genome, task, seed, bar)
-        except Exception as error:
-            cause = told(error)
-        self._callbacks.warn("evaluation", f"the evaluation of a genome of {len(genome)} elements failed: {cause}", error=True)
-        return invalid(brief(f"its evaluation failed: {cause}"))
-
     # --- the live animat -------------------------------------------------------------------------------------------------
 
     def _load(self, request, response):
         if self._stop.is_set():
-            response.message = _ENDING
+            response.message = ENDING
             return response
         try:
             check_pace(request.real_time_factor)
@@ -195,26 +156,6 @@ class Simulator(Node):
 
 
 _NOBODY = "no animat lives: load one first"
-_ENDING = "the simulator is ending: ask another one"
-
-
-def _genome_or_fault(message) -> Genome | Evaluation:
-    """The genome of a message, or the evaluation that a malformed one gets."""
-    try:
-        return genome_from_message(message)
-    except GenomeError as error:
-        return invalid(brief(error))
-
-
-def _fault_of_bars(request) -> str:
-    """What is wrong with the bars of a request, or nothing."""
-    bars, count = request.bars, len(request.genomes)
-    if len(bars) not in (0, count):
-        return f"{len(bars)} bars for {count} genomes: give one for each, -inf where a life is not to stop, or none at all"
-    for k, bar in enumerate(bars):
-        if math.isnan(bar):
-            return f"bars[{k}] is not a number: give metres, or -inf where a life is not to stop"
-    return ""
 
 
 def _fixed(meaning: str, low: int | None = None, high: int | None = None) -> ParameterDescriptor:

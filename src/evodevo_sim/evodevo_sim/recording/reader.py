@@ -31,6 +31,7 @@ class Recording:
     Attributes: settings: Evolution; statistics: GenerationStatistics; champions: Champion; audits: Audit, of those champions
     that the run got to; growth and states: CellStates, actuation: Actuation, of each life by their stamps; growth_bodies: Body, where
     the embryo's graph changed; body: Body; gait: Gait of the states; scene: Scene, of a walk by simulate; targets: PoseStamped;
+    worker: Worker, of a simulator, where somebody recorded it;
     state_times and target_times: ns, when each was recorded; truncated: whether the end is missing, or damaged; notes: what else must
     be known of what was read, a line each; unread: why messages of ours were not, by attribute.
     """
@@ -50,6 +51,7 @@ class Recording:
     target_times: list[int] = field(default_factory=list)
     gait: msg.Gait | None = None
     scene: msg.Scene | None = None
+    worker: msg.Worker | None = None
     truncated: bool = False
     notes: list[str] = field(default_factory=list)
     unread: dict[str, str] = field(default_factory=dict)

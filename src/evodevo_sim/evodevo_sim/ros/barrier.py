@@ -1,6 +1,6 @@
 """One barrier for every callback of a node: what goes wrong in it is that request's own error and a line in the log, and the node lives on.
 
-Services answer in the executor's thread, or at a `Desk`: a thread of its own in which long requests wait for one another, while
+Services answer in the executor's thread, or at a `Desk`: threads of its own in which long requests wait for one another, while
 others are answered.
 """
 
@@ -14,6 +14,8 @@ from collections.abc import Callable
 from typing import Any
 
 from rclpy.executors import ExternalShutdownException
+
+from .requests import Once
 
 MOST_TEXT = 300  # characters of what is said in an answer or in a line of the log
 _WARN_EVERY = 1.0  # s between lines of one kind
@@ -31,21 +33,29 @@ def told(error: BaseException) -> str:
 
 
 class Desk:
-    """A thread that does what it is given, one after the other."""
+    """Threads that do what they are given, in its order."""
 
-    def __init__(self, name: str):
+    def __init__(self, name: str, threads: int = 1):
         self._waiting: queue.SimpleQueue = queue.SimpleQueue()
-        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
-        self._thread.start()
+        self._threads = [threading.Thread(target=self._run, name=f"{name} {k}", daemon=True) for k in range(threads)]
+        for thread in self._threads:
+            thread.start()
 
     def put(self, work: Callable[[], object]) -> None:
         """Do `work()` when its turn comes; it must not raise."""
         self._waiting.put(work)
 
+    @property
+    def waiting(self) -> int:
+        """What has not begun."""
+        return self._waiting.qsize()
+
     def close(self) -> None:
-        """End the thread, when all that waits is done."""
-        self._waiting.put(None)
-        self._thread.join()
+        """End the threads, when all that waits is done."""
+        for _ in self._threads:
+            self._waiting.put(None)
+        for thread in self._threads:
+            thread.join()
 
     def _run(self):
         while (work := self._waiting.get()) is not None:
@@ -81,8 +91,12 @@ class Callbacks:
 
         return self._node.create_subscription(message_type, topic, guarded, quality)
 
-    def service(self, service_type: Any, name: str, answer: Callable, desk: Desk | None = None) -> Any:
-        """A service.  Args: answer(request, response) -> response; desk: where it is answered, if not in the executor's thread."""
+    def service(self, service_type: Any, name: str, answer: Callable, desk: Desk | None = None, once: Once | None = None) -> Any:
+        """A service.
+
+        Args: answer(request, response) -> response; desk: where it is answered, if not in the executor's thread; once: of a service at
+            a desk, what knows requests that are asked again.
+        """
 
         def guarded(request):
             response = service_type.Response()
@@ -102,7 +116,16 @@ class Callbacks:
                 self.warn(f"answer {name}", f"an answer of {name} was not sent: {told(error)}")
 
         def later(waiting, header, desk=desk):
-            desk.put(lambda: send(guarded(waiting.request), header))
+            key, new, kept = once.begin(waiting.request, header) if once else (None, True, None)
+            if new:
+                desk.put(lambda: work(waiting.request, header, key))
+            elif kept is not None:
+                send(kept, header)
+
+        def work(request, header, key):
+            response = guarded(request)
+            for asked in once.end(key, header, response) if once else [header]:
+                send(response, asked)
 
         # Executors hand what the callback returns to `send_response`.
         service = self._node.create_service(service_type, name, lambda request, _: _Request(request) if desk else guarded(request))
