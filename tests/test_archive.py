@@ -139,6 +139,7 @@ def test_what_an_emitter_promises(name, whole):
 @pytest.mark.parametrize("arguments, says", [
     ("--scheme archive --cells 3 --fillings 3", "settings.fillings is 3: give 1 or less, bodies have no more shares of chambers"),
     ("--scheme archive --cells 5 --fillings 1 --elongations 26", "settings.elongations is 26: give 25 or less"),
+    ("--scheme archive --evaluations 99", "--evaluations is 99: give 100 or more, a batch of evaluations"),
     ("--scheme archive --layers 5", "settings.layers is 5: give 1, the search of scheme 'archive' has no layers"),
 ])
 def test_archives_that_cannot_be_filled_are_refused_in_one_line(capsys, arguments, says):

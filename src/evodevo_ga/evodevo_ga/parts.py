@@ -53,7 +53,7 @@ def entangled(child: Genome, growth: np.ndarray) -> bool:
 
     A product of the gait that a receptor of growth can just reach may change no body yet, and binds the whole gait to it for good.
     """
-    return np.count_nonzero(growth_part(child)) > np.count_nonzero(growth)
+    return bool(np.count_nonzero(growth_part(child)) > np.count_nonzero(growth))
 
 
 def random_parted(rng: np.random.Generator, units: int, extent: float, apart: float, scent_extent: float = 0.0) -> Genome:
