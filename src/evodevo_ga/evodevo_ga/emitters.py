@@ -18,7 +18,6 @@ from .parts import COARSE, FINE, entangled, graft, parts_of, varied
 from .settings import Settings
 from .variation import Parents, child_of
 
-_BEST = 0.5  # share of children with the body kept whose parents tournaments of full size choose; two compete for the others
 _LITTLE = 12  # elements of a gait, below which a genome is not in two parts
 
 
@@ -36,7 +35,7 @@ Emitter = Callable[[list[Individual], Settings, Nursery, np.random.Generator], D
 
 def keep_body(elites: list[Individual], settings: Settings, nursery: Nursery, rng: np.random.Generator) -> Draft:
     """The body of a parent with a changed gait: drawn again until it grows the same shape, since muscles may share units with growth."""
-    parent = Parents(elites).draw(rng, settings.tournament if rng.random() < _BEST else min(2, settings.tournament))
+    parent = Parents(elites).draw(rng, settings.tournament)
     body = nursery.grow(parent.genome)
     growth, gait = parts_of(parent.genome)
     apart = np.count_nonzero(gait[HEADER:]) >= _LITTLE
