@@ -10,9 +10,9 @@ from evodevo_ga.emitters import EMITTERS
 from evodevo_ga.in_process import evaluate_all
 from evodevo_ga.individual import Child, Individual
 from evodevo_ga.nursery import Nursery
-from evodevo_ga.parts import graft, growth_part, random_parted, varied
+from evodevo_ga.parts import entangled, graft, parts_of, random_parted, varied
 from evodevo_sim.development.shape import same_shape
-from evodevo_sim.genetics.elements import HEADER, INPUTS, REGULATORY
+from evodevo_sim.genetics.elements import INPUTS, REGULATORY
 from evodevo_sim.parameters import default_task, with_settings
 from evodevo_sim.tasks.grown import grow
 from hypothesis import given, settings
@@ -100,11 +100,12 @@ def test_of_a_kind_the_fittest_stays_and_of_equals_the_first_in_the_order_of_ask
 def test_genomes_in_two_parts_vary_one_of_them_and_keep_the_other(seed):
     rng, task = np.random.default_rng(seed), task_of()
     genome, other = (random_parted(rng, 44, 1.0, 9.0) for _ in "12")
-    part = growth_part(genome)
-    assert not part[HEADER:].all() and part[:INPUTS].sum() == INPUTS - 1
+    part, gait = parts_of(genome)
+    assert not (part & gait).any() and part[:INPUTS].sum() == INPUTS - 1 and not entangled(genome, part)
     body = grow(genome, task)
-    child, made = varied(genome, ~part, rng, (-2.5, -1.0))
+    child, made = varied(genome, gait, rng, (-2.5, -1.0))
     assert made and child != genome and same_shape(grow(child, task).position, body.position)
+    assert (parts_of(graft(genome, other))[0].sum(), parts_of(graft(genome, other))[1].sum()) == (part.sum(), parts_of(other)[1].sum())
     grafted = graft(genome, other)
     assert grow(grafted, task).position.shape == body.position.shape
     assert same_shape(grow(grafted, task).position, body.position)
@@ -138,6 +139,7 @@ def test_what_an_emitter_promises(name, whole):
 @pytest.mark.parametrize("arguments, says", [
     ("--scheme archive --cells 3 --fillings 3", "settings.fillings is 3: give 1 or less, bodies have no more shares of chambers"),
     ("--scheme archive --cells 5 --fillings 1 --elongations 26", "settings.elongations is 26: give 25 or less"),
+    ("--scheme archive --evaluations 99", "--evaluations is 99: give 100 or more, a batch of evaluations"),
     ("--scheme archive --layers 5", "settings.layers is 5: give 1, the search of scheme 'archive' has no layers"),
 ])
 def test_archives_that_cannot_be_filled_are_refused_in_one_line(capsys, arguments, says):
@@ -154,7 +156,7 @@ def test_what_an_archive_lacks_is_said_before_the_first_evaluation():
         Archive(Settings(), measures=("colour",))
     with pytest.raises(ParameterError, match="emitter 'cma' is unknown: choose one of keep"):
         Archive(Settings(), emitters=("cma",))
-    with pytest.raises(ParameterError, match="settings.founders is 12: give more, no body of those"):
+    with pytest.raises(ParameterError, match=r"settings.founders is 12: give more, no body of those"):
         evolution_of(extent=1e3, founders=12).ask()  # where no product is near a receptor
     state = evolution_of().state()
     state["search"]["brought"]["keep"] = [float("nan"), 0.0]

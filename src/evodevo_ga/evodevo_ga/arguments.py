@@ -152,6 +152,8 @@ def parse(arguments: list[str]) -> Options:
         if len(start) > settings.population:
             raise ParameterError(f"--start gives {len(start)} genomes to a population of {settings.population}: give fewer")
         check(task, settings, start)
+        if given.evaluations is not None and given.evaluations < settings.population:
+            raise ParameterError(f"--evaluations is {given.evaluations}: give {settings.population} or more, a batch of evaluations")
     except (ParameterError, GenomeError) as error:
         parser.error(str(error))
     out = Path(given.out or f"bags/{task.name}-{datetime.now():%Y%m%d-%H%M%S}")

@@ -14,7 +14,7 @@ from evodevo_sim.tasks.outcome import Status
 
 from .individual import Child, Individual
 from .nursery import Nursery
-from .parts import COARSE, FINE, graft, growth_part, varied
+from .parts import COARSE, FINE, entangled, graft, parts_of, varied
 from .settings import Settings
 from .variation import Parents, child_of
 
@@ -34,37 +34,47 @@ Emitter = Callable[[list[Individual], Settings, Nursery, np.random.Generator], D
 
 
 def keep_body(elites: list[Individual], settings: Settings, nursery: Nursery, rng: np.random.Generator) -> Draft:
-    """The body of a parent with a changed gait: drawn again until it grows the same shape, since muscles share units with growth."""
+    """The body of a parent with a changed gait: drawn again until it grows the same shape, since muscles may share units with growth."""
     parent = Parents(elites).draw(rng, settings.tournament)
     body = nursery.grow(parent.genome)
-    gait = ~growth_part(parent.genome)
-    if np.count_nonzero(gait[HEADER:]) < _LITTLE:
-        gait[:] = True
-    for growths in range(1, settings.redraws + 2):
-        genome, made = varied(parent.genome, gait, rng, FINE)
+    growth, gait = parts_of(parent.genome)
+    apart = np.count_nonzero(gait[HEADER:]) >= _LITTLE
+    part, growths = gait if apart else np.ones_like(gait), 0
+    for _ in range(settings.redraws + 1):
+        genome, made = varied(parent.genome, part, rng, FINE)
+        if apart and entangled(genome, growth):
+            continue
+        growths += 1
         if same_shape(nursery.grow(genome).position, body.position):
             return Draft(_of((parent,), genome, made), growths)
-    return Draft(None, settings.redraws + 1)
+    return Draft(None, growths)
 
 
 def change_body(elites: list[Individual], settings: Settings, nursery: Nursery, rng: np.random.Generator) -> Draft:
-    """A changed body with the gait of its parent: drawn again until it has a chamber."""
+    """A changed body with the gait of its parent: drawn again until it has a chamber, and growth depends on nothing of the gait."""
     parent = Parents(elites).draw(rng, min(2, settings.tournament))
-    part = growth_part(parent.genome)
-    for growths in range(1, settings.redraws + 2):
-        genome, made = varied(parent.genome, part, rng, COARSE)
+    growth, gait = parts_of(parent.genome)
+    growths = 0
+    for _ in range(settings.redraws + 1):
+        genome, made = varied(parent.genome, growth, rng, COARSE)
+        if np.count_nonzero(parts_of(genome)[1]) < np.count_nonzero(gait):
+            continue
+        growths += 1
         if nursery.grow(genome).status == Status.OK:
             return Draft(_of((parent,), genome, made), growths)
-    return Draft(None, settings.redraws + 1)
+    return Draft(None, growths)
 
 
 def graft_gait(elites: list[Individual], settings: Settings, nursery: Nursery, rng: np.random.Generator) -> Draft:
     """The body of any elite with the gait of a good one, changed or not."""
     body, gait = elites[rng.integers(len(elites))], Parents(elites).draw(rng, settings.tournament)
-    genome, made = graft(body.genome, gait.genome), ("crossover",)
+    genome = graft(body.genome, gait.genome)
+    made: tuple[str, ...] = ("crossover",)
     if rng.random() < 0.5:
-        genome, more = varied(genome, ~growth_part(genome), rng, FINE)
-        made += more
+        growth, gait_part = parts_of(genome)
+        changed, more = varied(genome, gait_part, rng, FINE)
+        if not entangled(changed, growth):
+            genome, made = changed, made + more
     return Draft(_of((body, gait), genome, made) if nursery.grow(genome).status == Status.OK else None, 1)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from evodevo_sim.genetics.elements import HEADER, INPUT_NAMES, INPUTS, MORPHOGEN, OUTPUTS, REGULATORY, SPECIAL, TRANSCRIPTION_FACTOR
 from evodevo_sim.genetics.genome import Genome
 from evodevo_sim.genetics.limits import MAX_ELEMENTS
-from evodevo_sim.genetics.regulation import AXIS, DIVISION, assign_units, express
+from evodevo_sim.genetics.regulation import AXIS, CONTRACTION, DIVISION, EXPANSION, assign_units, express
 
 GAIT_SHARE = 0.545  # of the units of a random genome in two parts
 _RECEIVES_INPUT = 0.2  # share of its receptors that are where the inputs are
@@ -22,23 +22,38 @@ _RUN, _SIGN, _KIND, _REWIRE = 0.05, 0.05, 0.025, 0.025  # shares of the children
 _BESIDE = 0.3  # standard deviation of the place of a receptor beside the product that it goes to
 
 
-def growth_part(genome: Genome) -> np.ndarray:
-    """(E,) bool: the elements that division and axis depend on, the inputs but for the scent among them."""
+def parts_of(genome: Genome) -> tuple[np.ndarray, np.ndarray]:
+    """((E,) bool: the elements that division and axis depend on, the inputs but for the scent among them; (E,) bool: those of the gait,
+    that expansion and contraction depend on and growth does not, the scent among them).  What is in neither is silent."""
     unit, units = assign_units(genome.kind)
     weights, _ = express(*genome.arrays())
     reads = (weights[:, :units] != 0.0) | (weights[:, units : 2 * units] != 0.0)
-    needed = reads[[units + DIVISION, units + AXIS]].any(axis=0)
-    while True:
-        more = needed | reads[:units][needed].any(axis=0)
-        if np.array_equal(more, needed):
-            break
-        needed = more
-    part = np.zeros(len(genome), bool)
-    part[HEADER:] = np.append(needed, False)[unit[HEADER:]]
-    part[:INPUTS] = True
-    part[[INPUTS + DIVISION, INPUTS + AXIS]] = True
-    part[_SCENT] = False
-    return part
+    found = []
+    for outputs in ((DIVISION, AXIS), (EXPANSION, CONTRACTION)):
+        needed = reads[[units + k for k in outputs]].any(axis=0)
+        while not np.array_equal(more := needed | reads[:units][needed].any(axis=0), needed):
+            needed = more
+        part = np.zeros(len(genome), bool)
+        part[HEADER:] = np.append(needed, False)[unit[HEADER:]]
+        part[[INPUTS + k for k in outputs]] = True
+        found.append(part)
+    growth, gait = found
+    growth[:INPUTS] = True
+    growth[_SCENT], gait[_SCENT] = False, True
+    return growth, gait & ~growth
+
+
+def growth_part(genome: Genome) -> np.ndarray:
+    """(E,) bool: the elements that growth depends on."""
+    return parts_of(genome)[0]
+
+
+def entangled(child: Genome, growth: np.ndarray) -> bool:
+    """Whether growth depends on more of a child than of its parent, whose part `growth` is, but for what was copied in it.
+
+    A product of the gait that a receptor of growth can just reach may change no body yet, and binds the whole gait to it for good.
+    """
+    return bool(np.count_nonzero(growth_part(child)) > np.count_nonzero(growth))
 
 
 def random_parted(rng: np.random.Generator, units: int, extent: float, apart: float, scent_extent: float = 0.0) -> Genome:
@@ -58,17 +73,17 @@ def random_parted(rng: np.random.Generator, units: int, extent: float, apart: fl
         side = -apart if number >= every - gait else apart
         sides += [0.0 if k == REGULATORY and rng.random() < _RECEIVES_INPUT else side for k in kind]
         kinds += kind
-    side = np.array(sides)
-    points = rng.uniform(-extent, extent, (len(kinds), 2)) * np.where(side < 0.0, _DENSE, 1.0)[:, None]
+    shift = np.array(sides)
+    points = rng.uniform(-extent, extent, (len(kinds), 2)) * np.where(shift < 0.0, _DENSE, 1.0)[:, None]
     if scent_extent:
         points[_SCENT] = rng.uniform(-scent_extent, scent_extent, 2)
-    return Genome(np.array(kinds), rng.choice((-1, 1), len(kinds)), points[:, 0] + side, points[:, 1])
+    return Genome(np.array(kinds), rng.choice((-1, 1), len(kinds)), points[:, 0] + shift, points[:, 1])
 
 
 def graft(body: Genome, gait: Genome) -> Genome:
-    """A genome with what growth depends on of one and the gait of the other; elements of no unit are left out."""
+    """A genome with what growth depends on of one and the gait of the other; silent elements are left out."""
     columns = []
-    of_body, of_gait = growth_part(body), ~growth_part(gait) & (assign_units(gait.kind)[0] >= 0)
+    of_body, of_gait = parts_of(body)[0], parts_of(gait)[1]
     first, second = HEADER + np.flatnonzero(of_body[HEADER:]), HEADER + np.flatnonzero(of_gait[HEADER:])
     for b, g in zip(body.arrays(), gait.arrays()):
         columns.append(np.concatenate([np.where(of_body[:HEADER], b[:HEADER], g[:HEADER]), b[first], g[second]])[:MAX_ELEMENTS])

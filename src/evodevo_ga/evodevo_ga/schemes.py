@@ -83,17 +83,19 @@ for _scheme in (
     register(_scheme)
 
 # The settings that part a population when above 1, and the search that does it.
+_POPULATION = 50  # from which on what an archive is founded by is not most of a run
 _CELLS = 5  # from which on bodies are unlike enough for an archive
 _PARTING = {"layers": _LAYERS, "niches": _NICHES}
 
 
 def default_scheme(task: str, settings: dict[str, float] | None = None, cells: int = 32) -> str:
-    """The scheme of a search that names none: what suits the task; one population where its settings part one, or bodies are tiny.
+    """The scheme of a search that names none: what suits the task; one population where its settings part one, or it or bodies are small.
 
     docs/reference/search.md tells what each scheme is.
     """
     chosen = settings or {}
-    other = any(chosen.get(name, 1) > 1 for name in _PARTING) or cells < _CELLS
+    small = cells < _CELLS or chosen.get("population", Settings.population) < _POPULATION
+    other = small or any(chosen.get(name, 1) > 1 for name in _PARTING)
     return "panmictic" if other else known_kind(task).scheme
 
 
