@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import csv
 import dataclasses
+import math
 import os
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -56,12 +57,14 @@ def arguments(parser: argparse.ArgumentParser) -> argparse.Namespace:
 
 def evolve(task: Task, settings: Settings, name: str, seed: int, pool: ThreadPoolExecutor, start=()):
     """Run evolution.  Returns: (champion, row of the table, rows of its curve)."""
-    evolution, last_gain, began = Evolution(settings, seed, start, name), 0, time.monotonic()
+    evolution, last_gain, began = Evolution(settings, seed, start, name, task), 0, time.monotonic()
     curve = []
     chambered = oscillating = 0
     with tqdm(total=settings.generations, desc=f"{name} {seed}", leave=False, mininterval=5.0) as bar:
         while not evolution.finished:
-            found = list(pool.map(lambda genome: evaluate(genome, task, seed), evolution.ask()))
+            asked = evolution.ask()
+            bars = evolution.bars or [-math.inf] * len(asked)
+            found = list(pool.map(lambda genome, bar: evaluate(genome, task, seed, bar), asked, bars))
             generation = evolution.tell(found)
             last_gain = generation.generation if generation.improved else last_gain
             chambered += sum(one.metrics.chambers > 0 for one in found)
@@ -69,7 +72,7 @@ def evolve(task: Task, settings: Settings, name: str, seed: int, pool: ThreadPoo
             bar.update()
             m = evolution.champion.evaluation.metrics
             about = (generation.diversity, time.monotonic() - began, evolution.champion.born)
-            curve.append(point(name, seed, generation.generation, evolution.evaluations, evolution.champion.evaluation, *about))
+            curve.append(point(name, seed, generation.generation, worth(evolution), evolution.champion.evaluation, *about))
             bar.set_postfix_str(f"{m.distance_second_half:.2f} m in the second half, amplitude {m.activation_amplitude:.2f}")
     n = evolution.evaluations
     champion = evolution.champion
@@ -77,7 +80,12 @@ def evolve(task: Task, settings: Settings, name: str, seed: int, pool: ThreadPoo
     found = audit(champion.genome, task, seed, quick=True)
     gait = gait_name(champion.genome, task, seed) if found.runs else "none"
     about += ("stands" if found.stands else "; ".join(found.faults), gait)
-    return champion, row(name, seed, n, champion.evaluation, *about), curve
+    return champion, row(name, seed, worth(evolution), champion.evaluation, *about), curve
+
+
+def worth(evolution: Evolution) -> int:
+    """Evaluations, growth alone counted as an eighth of one."""
+    return round(evolution.evaluations + evolution.growths / 8)
 
 
 def gait_name(genome: Genome, task: Task, seed: int) -> str:
@@ -183,7 +191,7 @@ def main():
     try:
         of_task, of_settings = split(options.set)
         task = with_settings(default_task(options.task), of_task)
-        name = options.scheme or default_scheme(options.task, of_settings)
+        name = options.scheme or default_scheme(options.task, of_settings, task.development.max_cells)
         settings = Settings(**scheme(name, options.task) | {"generations": options.generations} | of_settings)
         start = tuple(load_genome(name) for name in options.start)
         check(task, settings, start)

@@ -4,12 +4,14 @@ import numpy as np
 import pytest
 from evodevo_ga.arguments import parse
 from evodevo_ga.feasible import check
+from evodevo_ga.settings import UNLIMITED
 from evodevo_sim.parameters import with_settings
 from evodevo_sim.physics.forces import make_law
 from evodevo_sim.physics.step_size import choose_substeps
 from genomes import first_viable
+from searches import stand_in
 
-from evodevo_ga import Settings, scheme
+from evodevo_ga import Evolution, Settings, scheme
 from evodevo_sim import ParameterError, Status, Task, evaluate, perform, random_genome, save_genome
 
 STILL = ["--point-mutation", "0", "--crossover", "0", "--duplication", "0", "--deletion", "0", "--flip", "0"]
@@ -37,7 +39,7 @@ STILL = ["--point-mutation", "0", "--crossover", "0", "--duplication", "0", "--d
         ("--scheme niches --population 14", "settings.niches is 5: give a number that divides the population of 14"),
         ("--scheme niches --elite 20", "settings.elite is 20: give less than the 20 individuals of a niche"),
         ("--scheme niches --layers 5", "settings.niches is 5 and settings.layers 5: give 1 for one of them"),
-        ("--tournament 21", "settings.tournament is 21: give no more than the 20 individuals of a niche"),
+        ("--scheme niches --tournament 21", "settings.tournament is 21: give no more than the 20 individuals of a niche"),
         ("--scheme panmictic --tournament 101", "settings.tournament is 101: give no more than the population of 100"),
         (" ".join(STILL), "settings.point_mutation is 0, and so is every other operator"),
         (" ".join(["--scent-mutation", "1", *STILL]), "and so is every other operator"),  # a swimmer smells nothing
@@ -53,7 +55,7 @@ def test_what_cannot_work_gets_one_line_and_exit_code_2(capsys, arguments, says)
 def test_what_can_work_is_not_refused(tmp_path):
     save_genome(tmp_path / "one.yaml", random_genome(np.random.default_rng(1)))
     for arguments in (
-        [], ["--cells", "3"], ["--scheme", "alps"], ["--scheme", "niches"], ["--scheme", "paper"],
+        [], ["--cells", "3"], ["--cells", "5"], ["--scheme", "alps"], ["--scheme", "niches"], ["--scheme", "paper"],
         ["--units", "0", "--start", str(tmp_path / "one.yaml")],
         ["--set", "control_step=1"], ["--set", "material.stiffness=1e9"], ["--set", "development.steps=2"], [*STILL, "--flip", "0.1"],
         ["--task", "walk"], ["--task", "chemotaxis", "--scent-mutation", "1", *STILL],
@@ -71,14 +73,20 @@ def test_a_scheme_sets_its_numbers_and_single_settings_go_over_it():
     assert parse(["--scheme", "paper", "--task", "chemotaxis"]).settings.point_mutation == 0.1
 
 
-def test_swimmers_have_niches_where_there_is_room():
-    def niches(*arguments):
-        return parse(arguments).settings.niches
+def test_swimmers_have_an_archive_but_where_the_settings_part_one_population():
+    assert parse([]).scheme == parse(["--population", "50"]).scheme == parse(["--layers", "1"]).scheme == "archive"
+    assert parse(["--layers", "5"]).scheme == parse(["--niches", "5"]).scheme == "panmictic"
+    assert parse(["--population", "49"]).scheme == parse(["--cells", "4"]).scheme == parse(["--task", "walk"]).scheme == "panmictic"
+    assert parse(["--tournament", "3"]).settings == Settings(**scheme("archive") | {"tournament": 3})
 
-    assert niches() == niches("--population", "50") == niches("--scheme", "niches") == 5
-    assert niches("--population", "45") == niches("--population", "101") == niches("--layers", "5") == niches("--scheme", "paper") == 1
-    assert niches("--task", "walk") == niches("--task", "chemotaxis") == 1
-    assert parse(["--tournament", "3"]).settings == Settings(**scheme("niches") | {"tournament": 3})
+
+def test_the_search_of_the_paper_holds_its_hundred_and_ends_by_patience_alone():
+    options = parse(["--scheme", "paper", "--set", "task.fitness=distance"])
+    s, evolution = options.settings, Evolution(options.settings, 2, scheme=options.scheme)
+    assert (s.population, s.patience, s.generations, s.niches, s.layers, options.task.fitness) == (100, 500, UNLIMITED, 1, 1, "distance")
+    for _ in range(4):
+        evolution.tell([stand_in(genome) for genome in evolution.ask()])
+        assert len(evolution.population) == 100
 
 
 def test_genomes_without_units_stay_still():

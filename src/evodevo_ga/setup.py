@@ -16,7 +16,7 @@ setup(
         (f"share/{package_name}/completion", sorted(glob("completion/*"))),
         (f"share/{package_name}/launch", sorted(glob("launch/*.launch.py"))),
     ],
-    install_requires=["numpy>=2", "evodevo_sim"],
+    install_requires=["numpy>=2", "ribs", "evodevo_sim"],
     extras_require={
         "ros": ["evodevo_sim[gaits,ros]", "pyarrow"],
         "view": ["evodevo_sim[view]", "matplotlib"],
@@ -32,6 +32,7 @@ setup(
         "console_scripts": [
             "evolve = evodevo_ga.commands:evolve",
             "report = evodevo_ga.commands:report",
+            "gallery = evodevo_ga.commands:gallery",
             "descent = evodevo_ga.commands:descent",
             "status = evodevo_ga.commands:status",
         ],

@@ -25,7 +25,6 @@ setup(
     install_requires=["numpy>=2", "numba", "PyYAML"],
     extras_require={
         "gaits": ["scipy"],
-        "view": ["matplotlib", "rerun-sdk"],
         "hardware": ["pyserial", "cobs"],
         "view": ["matplotlib", "rerun-sdk", "pillow", "av"],
         "ros": [

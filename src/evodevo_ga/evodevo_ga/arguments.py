@@ -31,7 +31,7 @@ examples:
   ros2 run evodevo_ga evolve --preset high_drag
       in a thick fluid
   ros2 run evodevo_ga evolve --scheme panmictic
-      one population in which all compete, instead of niches of body shapes
+      one population in which all compete, instead of an archive of unlike bodies
   ros2 run evodevo_ga evolve --task walk --world rough
       a walker on uneven ground (docs/guide/walk.md tells the worlds)
   ros2 run evodevo_ga evolve --scheme paper --set task.fitness=distance
@@ -117,8 +117,8 @@ def parse(arguments: list[str]) -> Options:
     group = parser.add_argument_group("genetic algorithm")
     group.add_argument(
         "--scheme", metavar="NAME",
-        help="a way to search and its set of the numbers below, which go over it (default niches for swim, of a population of 50, 55, ...; "
-        f"else panmictic): {'; '.join(f'{one.name}: {one.what}' for one in SCHEMES.values())}".replace("%", "%%"),
+        help="a way to search and its set of the numbers below, which go over it (default: what suits the task); "
+        f"{'; '.join(f'{one.name}: {one.what}' for one in SCHEMES.values())}".replace("%", "%%"),
     )
     for field in dataclasses.fields(Settings):
         group.add_argument(
@@ -148,13 +148,15 @@ def parse(arguments: list[str]) -> Options:
         task = with_settings(task, numbers | (preset(given.preset) if given.preset else {}) | dict(pairs(given.set)))
         chosen = {field.name: getattr(given, field.name) for field in dataclasses.fields(Settings)}
         chosen = {name: value for name, value in chosen.items() if value is not None}
-        name = default_scheme(task.name, chosen) if given.scheme is None else given.scheme
+        name = default_scheme(task.name, chosen, task.development.max_cells) if given.scheme is None else given.scheme
         settings = Settings(**scheme(name, task.name) | chosen)
         search_of(settings, name)
         start = tuple(load_genome(_genome_file(Path(place))) for place in given.start)
         if len(start) > settings.population:
             raise ParameterError(f"--start gives {len(start)} genomes to a population of {settings.population}: give fewer")
         check(task, settings, start)
+        if given.evaluations is not None and given.evaluations < settings.population:
+            raise ParameterError(f"--evaluations is {given.evaluations}: give {settings.population} or more, a batch of evaluations")
     except (ParameterError, GenomeError) as error:
         parser.error(str(error))
     out = Path(given.out or f"bags/{task.name}-{datetime.now():%Y%m%d-%H%M%S}")

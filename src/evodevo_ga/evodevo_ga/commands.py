@@ -31,3 +31,10 @@ def status() -> Main:
     from .status import main
 
     return main
+
+
+@command
+def gallery() -> Main:
+    from .gallery.command import main
+
+    return main

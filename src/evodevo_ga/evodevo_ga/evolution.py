@@ -19,14 +19,14 @@ from typing import Any
 
 import numpy as np
 
-from evodevo_sim import Evaluation, Genome, GenomeError, ParameterError, Status
+from evodevo_sim import Evaluation, Genome, GenomeError, ParameterError, Status, Task
 
 from .individual import Child, Individual, genome_of_plain, individual_of_plain, plain_genome, plain_individual
 from .schemes import search_of
 from .settings import Settings
 
 _STATE = 1  # version of the plain data
-_COUNTERS = ("generation", "evaluations", "stagnation", "bred")
+_COUNTERS = ("generation", "evaluations", "stagnation", "bred", "growths")
 
 
 @dataclass(frozen=True)
@@ -53,14 +53,17 @@ class Evolution:
 
     Args: start: genomes to begin from, each as it is and then in mutants, in turn, up to `settings.start_share` of the first
     population; the rest is random.  scheme: name of the one whose search this is; where that is one population, layers or niches
-    above 1 in `settings` part it.
+    above 1 in `settings` part it; task: what for, for searches that grow bodies before they live.
 
     Attributes: population (best first), champion, generation (of the population), evaluations, children (of the last generation,
-    whether they stayed or not), bred (children so far), search, bars (none, or for each genome asked the fitness that it must reach to
-    be of any use, see `evaluate`).
+    whether they stayed or not), bred (children so far), growths (of bodies alone so far, an eighth of an evaluation each), search, bars
+    (none, or for each genome asked the fitness that it must reach to be of any use, see `evaluate`).
     """
 
-    def __init__(self, settings: Settings = Settings(), seed: int = 0, start: Sequence[Genome] = (), scheme: str = "panmictic"):
+    def __init__(
+        self, settings: Settings = Settings(), seed: int = 0, start: Sequence[Genome] = (), scheme: str = "panmictic",
+        task: Task | None = None,
+    ):
         if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**63:
             raise ParameterError(f"seed is {seed!r}: give a whole number from 0 to 2^63 - 1")
         self.settings = settings
@@ -68,12 +71,14 @@ class Evolution:
         self.start = tuple(start)
         self.scheme = scheme
         self.search = search_of(settings, scheme)
+        self.search.task = task
         self.population: list[Individual] = []
         self.children: list[Individual] = []
         self.generation = -1
         self.evaluations = 0
         self.stagnation = 0
         self.bred = 0
+        self.growths = 0
         self.bars: tuple[float, ...] = ()
         self._children: list[Child] = []
         self._asked: list[Genome] = []
@@ -95,6 +100,11 @@ class Evolution:
             self._children = list(_some(bred, "bred", self.scheme))
             known = self._known()
             self._asked = list({one.genome.key(): one.genome for one in self._children if one.genome.key() not in known}.values())
+            bars: dict[bytes, float] = {}
+            for one in self._children:
+                bars[one.genome.key()] = min(one.bar, bars.get(one.genome.key(), one.bar))
+            given = tuple(bars[genome.key()] for genome in self._asked)
+            self.bars = given if any(bar > -np.inf for bar in given) else ()
         return self._asked
 
     def tell(self, evaluations: list[Evaluation]) -> Generation:
@@ -120,7 +130,8 @@ class Evolution:
         self.children = children
         self.generation += 1
         self.bred += len(children)
-        self._children, self._asked = [], []
+        self.growths += sum(one.growths for one in self._children)
+        self._children, self._asked, self.bars = [], [], ()
         self.evaluations += len(evaluations)
         improved = self.champion.evaluation.fitness > before
         self.stagnation = 0 if improved else self.stagnation + 1
@@ -139,16 +150,17 @@ class Evolution:
         }
 
     @classmethod
-    def resumed(cls, state: dict[str, Any]) -> Evolution:
-        """The run that gave this state away: it goes on with the same bits.  Its scheme must be registered."""
+    def resumed(cls, state: dict[str, Any], task: Task | None = None) -> Evolution:
+        """The run that gave this state away, for the same task: it goes on with the same bits.  Its scheme must be registered."""
         version = state.get("version")
         if version != _STATE:
             raise ParameterError(f"state of version {version!r}: give one of version {_STATE}, which this program reads")
         try:
             start = [genome_of_plain(genome) for genome in state["start"]]
             settings = Settings(**{field.name: state["settings"][field.name] for field in dataclasses.fields(Settings)})
-            evolution = cls(settings, state["seed"], start, state["scheme"])
-            evolution.generation, evolution.evaluations, evolution.stagnation, evolution.bred = (index(state[name]) for name in _COUNTERS)
+            evolution = cls(settings, state["seed"], start, state["scheme"], task)
+            for name in _COUNTERS:
+                setattr(evolution, name, index(state[name]))
             evolution.population = [individual_of_plain(one) for one in state["population"]]
             evolution.search.restore(state["search"])
         except (ParameterError, GenomeError):

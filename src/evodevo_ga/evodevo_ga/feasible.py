@@ -21,6 +21,7 @@ def check(task: Task, settings: Settings, start: Sequence[Genome] = ()) -> None:
     _check_physics(task)
     _check_scene(task)
     _check_search(task, settings, start)
+    _check_archive(task, settings)
 
 
 def _check_growth(task: Task) -> None:
@@ -60,6 +61,18 @@ def _check_scene(task: Task) -> None:
     if needed and not any(setting_of(task, name) for name in needed):
         are, give = ("is", "more") if len(needed) == 1 else ("are", "one of them more")
         raise ParameterError(f"{' and '.join(needed)} {are} 0: give {give}, {task.kind.needed_because}")
+
+
+def _check_archive(task: Task, settings: Settings) -> None:
+    """Raises ParameterError where an archive has parts that no body can be in."""
+    s, cells = settings, task.development.max_cells
+    shares = {chambers / (2 * n - 5) for n in range(_LEAST_CELLS, cells + 1) for chambers in range(1, 2 * n - 4)}
+    for name, most, what in (
+        ("fillings", len(shares), "bodies have no more shares of chambers than that"),
+        ("elongations", cells**2, "bodies have no more shapes to tell apart than that"),
+    ):
+        if getattr(s, name) > most:
+            raise ParameterError(f"settings.{name} is {getattr(s, name)}: give {most} or less, {what} with max_cells at {cells}")
 
 
 def _check_search(task: Task, settings: Settings, start: Sequence[Genome]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from dataclasses import dataclass
 from operator import index
 from typing import Any
@@ -17,7 +18,8 @@ class Child:
     """A genome that was bred and has no evaluation yet.
 
     Attributes: born: generation of the random genome from which its oldest line comes; layer: of ages, 0 the youngest; parents: numbers
-    of those it comes from; operators: names of what made it of them, in their order.
+    of those it comes from; operators: names of what made it of them, in their order; bar: m, a fitness of which it has to have more, or
+    nothing comes of it, so its life may stop where it cannot; growths: of bodies alone that it took to find it.
     """
 
     genome: Genome
@@ -25,6 +27,8 @@ class Child:
     layer: int = 0
     parents: tuple[int, ...] = ()
     operators: tuple[str, ...] = ()
+    bar: float = -math.inf
+    growths: int = 0
 
 
 @dataclass(frozen=True)

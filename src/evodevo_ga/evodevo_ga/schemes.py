@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 _PANMICTIC = f"{__package__}.panmictic:Panmictic"
 _LAYERS = f"{__package__}.layers:Layers"
 _NICHES = f"{__package__}.niches:Niches"
+_ARCHIVE = f"{__package__}.archive:Archive"
 
 
 @dataclass(frozen=True)
@@ -74,26 +75,28 @@ for _scheme in (
     Scheme("paper", "its baseline", {"generations": UNLIMITED, "tournament": 2, "point_mutation": 0.1, "point_scale": 3.0, "flip": 0.0}),
     Scheme("alps", "age layers", {"layers": 5}, _LAYERS),
     Scheme("niches", "of body shapes", {"niches": 5, "founders": 1000, "point_decades": 1.0, "tournament": 2}, _NICHES),
+    Scheme(
+        "archive", "of unlike bodies",
+        {"elongations": 12, "fillings": 6, "redraws": 8, "founders": 2500, "units": 44, "apart": 9.0, "tournament": 10}, _ARCHIVE,
+    ),
 ):
     register(_scheme)
 
 # The settings that part a population when above 1, and the search that does it.
+_POPULATION = 50  # from which on what an archive is founded by is not most of a run
+_CELLS = 5  # from which on bodies are unlike enough for an archive
 _PARTING = {"layers": _LAYERS, "niches": _NICHES}
-_ROOM = 10  # individuals of a niche, at the least, of which something can evolve
 
 
-def default_scheme(task: str, settings: dict[str, float] | None = None) -> str:
-    """The scheme of a search that names none: what suits the task, niches only where its other settings leave them room.
+def default_scheme(task: str, settings: dict[str, float] | None = None, cells: int = 32) -> str:
+    """The scheme of a search that names none: what suits the task; one population where its settings part one, or it or bodies are small.
 
     docs/reference/search.md tells what each scheme is.
     """
-    suits = known_kind(task).scheme
-    if suits != "niches":
-        return suits
-    chosen, niches = settings or {}, SCHEMES["niches"].settings["niches"]
-    size, over = divmod(chosen.get("population", Settings.population), niches)
-    fits = size >= _ROOM and not over and chosen.get("layers", 1) == 1
-    return suits if fits else "panmictic"
+    chosen = settings or {}
+    small = cells < _CELLS or chosen.get("population", Settings.population) < _POPULATION
+    other = small or any(chosen.get(name, 1) > 1 for name in _PARTING)
+    return "panmictic" if other else known_kind(task).scheme
 
 
 def scheme_of(name: str) -> Scheme:

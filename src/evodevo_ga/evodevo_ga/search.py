@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from evodevo_sim import Genome
+from evodevo_sim import Genome, Task
 
 from .individual import Child, Individual
 from .settings import Settings
@@ -20,7 +20,11 @@ class Search(ABC):
 
     All randomness comes from the `rng` given, which is new in each generation.  `first` and `breed` change nothing: what a search
     learns, it learns in `survive` and gives away in `state`.  So a run that goes on from its state has the same bits.
+
+    Attributes: task: of the run, for searches that look at bodies before they live; None where the run was not told.
     """
+
+    task: Task | None = None
 
     def __init__(self, settings: Settings):
         self.settings = settings

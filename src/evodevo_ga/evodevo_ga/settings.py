@@ -27,6 +27,9 @@ class Settings(Checked):
     age_gap: int = parameter(20, 1, 1_000_000_000, "", "generations after which random genomes fill the youngest layer again")
     niches: int = parameter(1, 1, 1000, "", "of body shapes, equal parts of the population that do not compete; 1: none")
     founders: int = parameter(0, 0, 1_000_000, "", "genomes in the first generation, of which the best stay; 0: as many as the population")
+    elongations: int = parameter(1, 1, 1000, "", "of bodies, parts of their range that an archive keeps apart")
+    fillings: int = parameter(1, 1, 1000, "", "shares of chambers, parts of their range that an archive keeps apart")
+    redraws: int = parameter(0, 0, 1000, "", "times at the most that an archive's child is drawn again, until its body is as meant")
     crossover: float = parameter(0.2, 0.0, 1.0, "", "share of the children that have two parents")
     point_mutation: float = parameter(0.03, 0.0, 1.0, "", "probability that an element's point moves")
     point_scale: float = parameter(1.0, 0.0, 1e3, "", "standard deviation of the length of that move")
@@ -39,6 +42,9 @@ class Settings(Checked):
     flip: float = parameter(0.005, 0.0, 1.0, "", "probability per element of a change of sign, or of a gene's kind")
     units: int = parameter(20, 0, MOST_UNITS, "", "regulatory units in a random genome")
     extent: float = parameter(1.0, 0.0, 1e3, "", "half side of the square of a random genome's points")
+    apart: float = parameter(
+        0.0, 0.0, 1e3, "", "way from the inputs to the networks of growth and of gait, on either side, in random genomes; 0: one network"
+    )
     scent_extent: float = parameter(0.0, 0.0, 1e3, "", "half side of the square of the scent's points in random genomes; 0 is extent")
     scent_mutation: float = parameter(0.0, 0.0, 1.0, "", "probability per child that the scent's point moves, beyond point_mutation")
     start_share: float = parameter(0.5, 0.0, 1.0, "", "of the first population, that given genomes and their mutants make up")

@@ -110,7 +110,7 @@ def _load_plugins() -> None:
 register(TaskKind(
     "swim", "swim far, and on to the end",
     run=f"{_HERE}.swim.fitness:run", begin=f"{_HERE}.swim.fitness:begin",
-    audit=f"{_HERE}.swim.audit:audit", kernel="kernel.swim", audit_kernel=_REPEAT, needed=_FLUID, needed_because=_NO_FLUID, scheme="niches",
+    audit=f"{_HERE}.swim.audit:audit", kernel="kernel.swim", audit_kernel=_REPEAT, needed=_FLUID, needed_because=_NO_FLUID, scheme="archive",
     fitnesses=("sustained", "distance"),
 ))
 register(TaskKind(

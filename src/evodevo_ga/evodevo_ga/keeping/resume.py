@@ -59,7 +59,8 @@ def resumed(directory: Path, given: Mapping[str, Any] = {}) -> Resumed:
     refuse_if_held(directory)
     run, notes = read_checkpoint(directory)
     try:
-        task, evolution = task_of_plain(run["task"]), Evolution.resumed(run["evolution"])
+        task = task_of_plain(run["task"])
+        evolution = Evolution.resumed(run["evolution"], task)
         limits, champion = Limits(**run["limits"]), run["champion"]
         best = None if champion["individual"] is None else individual_of_plain(champion["individual"])
         found = Resumed(

@@ -39,7 +39,9 @@ class Run:
         self.options, self.recorder, self.auditor, self.stop, self.times = options, recorder, auditor, stop, times
         self._node, self._executor, self._began = node, executor, began
         resumed = options.resumed
-        self.evolution = resumed.evolution if resumed else Evolution(options.settings, options.seed, options.start, options.scheme)
+        self.evolution = resumed.evolution if resumed else Evolution(
+            options.settings, options.seed, options.start, options.scheme, options.task
+        )
         self.journal = Journal(options, recorder, node, auditor, self.evolution, recorded)
 
     def go(self) -> int:
