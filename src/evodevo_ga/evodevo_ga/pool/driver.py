@@ -141,7 +141,7 @@ class Pool:
             if now < self._rests.get(name, 0.0) or any(one.alone for one in at):
                 continue
             while len(at) < threads + max(1, threads // 2):  # some wait there, so that it never waits for us
-                size = self._pace.size(len(work.waiting), slots)
+                size = self._pace.size(len(work.waiting), slots, self.backend.cost)
                 places = work.next(name, size if name in self._answered else 1, len(workers) > 1)
                 if not places:
                     break
@@ -214,7 +214,7 @@ class Pool:
             raise PoolError(f"no simulator is left{self._last_end}: run again with --simulators 2 to start two")
         if now - since >= _MOMENT and not self._told_nobody:
             self._told_nobody = True
-            self._say(f"no simulator is left{self._last_end}: waiting for one; start it by ros2 run evodevo_sim simulator")
+            self._say(f"no simulator is left{self._last_end}: waiting for one; {self.backend.mend}")
 
     def _raise_if_hopeless(self) -> None:
         if why := self.backend.hopeless():

@@ -79,7 +79,7 @@ def judged(batch: Batch, patience: float) -> Evaluation | str:
     if process.returncode:
         ended = f"by signal {-process.returncode}" if process.returncode < 0 else f"with exit code {process.returncode}"
         return f"the process ended {ended}"
-    return pickle.loads(answer)  # noqa: S301  (of a process of our own, through a pipe)
+    return pickle.loads(answer)
 
 
 def _evaluated(genome: Genome, task: Task, seed: int, bars: tuple[float, ...]) -> Evaluation:
@@ -90,7 +90,7 @@ def _main() -> None:
     with suppress(OSError):  # where memory runs out, it is this process that goes
         with open("/proc/self/oom_score_adj", "w") as file:
             file.write("1000")
-    given = pickle.load(sys.stdin.buffer)  # noqa: S301  (of the process that started this one, through a pipe)
+    given = pickle.load(sys.stdin.buffer)
     answer, sys.stdout = os.fdopen(os.dup(1), "wb"), sys.stderr
     with answer:
         answer.write(pickle.dumps(_evaluated(*given)))
