@@ -170,7 +170,7 @@ def main():
     parser.add_argument("--population", type=int, nargs="+", default=[100, 1000, 10_000])
     parser.add_argument("--cores", type=int, default=16, help="of a host")
     parser.add_argument("--generations", type=int, default=12, help="of the run that is measured")
-    parser.add_argument("--longer", type=float, default=1.0, help="times as long as it was measured an evaluation takes, e.g. 10 for a walk")
+    parser.add_argument("--longer", type=float, default=1.0, help="times as long as measured an evaluation takes, e.g. 10 for a walk")
     parser.add_argument("--batches", type=int, default=300)
     parser.add_argument("--latency", type=float, default=1e-3, help="s, of a network")
     given = parser.parse_args()

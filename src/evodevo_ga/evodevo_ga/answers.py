@@ -19,7 +19,7 @@ _STEERING = [field.name for field in dataclasses.fields(Steering)]
 
 
 def looked_at(evaluations: Sequence[Evaluation], count: int, bars: Sequence[float] = ()) -> list[Evaluation]:
-    """The evaluations of an answer to `count` genomes with these bars, or none, causes of any length made brief.  Raises AnswerError."""
+    """The evaluations of an answer to `count` genomes with these bars, or none; causes of any length made brief.  Raises AnswerError."""
     if len(evaluations) != count:
         raise AnswerError(f"it answers {len(evaluations)} evaluations for {count} genomes")
     return [_sound(evaluation, bar) for evaluation, bar in zip(evaluations, bars or repeat(-math.inf))]

@@ -77,13 +77,13 @@ class Options:
     quiet: bool
     start: tuple[Genome, ...] = ()
     scheme: str = "panmictic"
+    limits: Limits = NONE
+    sources: tuple[str, ...] = ()  # of the start genomes
+    resumed: Resumed | None = None  # the run that goes on
     threads: int | None = None  # of each simulator of our own; None: one a core in one, or 1 in each of `simulators`
     give_up_after: float = 3600.0  # s without a simulator
     backend: str = "ros"  # one of BACKENDS
     scheduler: str = ""  # of Dask; empty: a cluster of our own
-    limits: Limits = NONE
-    sources: tuple[str, ...] = ()  # of the start genomes
-    resumed: Resumed | None = None  # the run that goes on
 
 
 def parse(arguments: list[str]) -> Options:
@@ -167,8 +167,9 @@ def parse(arguments: list[str]) -> Options:
     out = Path(given.out or f"bags/{task.name}-{datetime.now():%Y%m%d-%H%M%S}")
     limits, sources = Limits(given.evaluations, given.hours), tuple(given.start)
     return Options(
-        task, settings, given.seed, out, given.simulators, given.look, given.quiet, start, name, given.threads, given.give_up_after,
-        limits=limits, sources=sources, backend=given.backend, scheduler=given.scheduler,
+        task, settings, given.seed, out, given.simulators, given.look, given.quiet, start, name, limits, sources,
+        threads=given.threads, give_up_after=given.give_up_after,
+        backend=given.backend, scheduler=given.scheduler,
     )
 
 
@@ -210,8 +211,8 @@ def _resumed(parser: Parser, given: Any, arguments: list[str]) -> Options:
         parser.error(str(error))
     e = run.evolution
     return Options(
-        run.task, e.settings, e.seed, run.directory, given.simulators, given.look, given.quiet, e.start, e.scheme,
-        given.threads, given.give_up_after, limits=run.limits, sources=run.sources, resumed=run,
+        run.task, e.settings, e.seed, run.directory, given.simulators, given.look, given.quiet, e.start, e.scheme, run.limits,
+        run.sources, run, given.threads, given.give_up_after,
         backend=given.backend, scheduler=given.scheduler,
     )
 

@@ -22,7 +22,7 @@ from .auditor import Auditor
 from .keeping.errors import KeepingError, ResumeError
 from .keeping.lock import Lock, refuse_if_held
 from .keeping.sessions import Sessions
-from .pool.driver import PoolError
+from .pool.vigil import PoolError
 from .run.backends import check_backend
 from .run.loop import Run
 from .run.recorded import Recorded, recorded_in

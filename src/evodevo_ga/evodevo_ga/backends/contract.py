@@ -94,7 +94,7 @@ class Backend(ABC):
     @property
     def mend(self) -> str:
         """How somebody brings a worker, where there is none."""
-        return "start one by ros2 run evodevo_sim simulator"
+        return "start it by ros2 run evodevo_sim simulator"
 
     @property
     @abstractmethod

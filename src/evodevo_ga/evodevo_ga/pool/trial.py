@@ -13,6 +13,7 @@ import sys
 import threading
 from collections.abc import Callable
 from contextlib import suppress
+from pathlib import Path
 
 from evodevo_sim.ros.own_simulators import end_with_parent
 
@@ -23,7 +24,7 @@ from ..backends.contract import Batch
 Judge = Callable[[Batch, float], Evaluation | str]  # see `judged`
 
 COMMAND = [sys.executable, "-m", __spec__.name]
-START = 60.0  # s for the process to start
+START = 300.0  # s for the process to start, also on a host that is busy: nobody is condemned for that
 
 
 class Trials:
@@ -88,8 +89,7 @@ def _evaluated(genome: Genome, task: Task, seed: int, bars: tuple[float, ...]) -
 
 def _main() -> None:
     with suppress(OSError):  # where memory runs out, it is this process that goes
-        with open("/proc/self/oom_score_adj", "w") as file:
-            file.write("1000")
+        Path("/proc/self/oom_score_adj").write_text("1000")
     given = pickle.load(sys.stdin.buffer)
     answer, sys.stdout = os.fdopen(os.dup(1), "wb"), sys.stderr
     with answer:

@@ -7,7 +7,8 @@ from collections.abc import Callable
 from ..arguments import Options, cores
 from ..backends.contract import Backend, BackendError
 from ..backends.local import LocalBackend
-from ..pool.driver import Pool, PoolError
+from ..pool.driver import Pool
+from ..pool.vigil import PoolError
 
 _START = 30.0  # s, for a worker to start, and to load its kernels
 

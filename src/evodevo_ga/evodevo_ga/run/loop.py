@@ -15,7 +15,8 @@ from tqdm import tqdm
 from ..arguments import Options
 from ..auditor import Auditor
 from ..evolution import Evolution, Generation
-from ..pool.driver import Pool, PoolError
+from ..pool.driver import Pool
+from ..pool.vigil import PoolError
 from ..settings import UNLIMITED
 from ..times import AUDITS, BREEDING, EVALUATION, RECORDING, Times, table
 from .journal import Journal

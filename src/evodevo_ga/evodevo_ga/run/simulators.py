@@ -11,7 +11,8 @@ from evodevo_sim.ros.own_simulators import OwnSimulators
 
 from ..arguments import Options, cores
 from ..backends.ros import RosBackend, find_simulators
-from ..pool.driver import Pool, PoolError
+from ..pool.driver import Pool
+from ..pool.vigil import PoolError
 from ..times import START, Times
 from .backends import other_pool
 

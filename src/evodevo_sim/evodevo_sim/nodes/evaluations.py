@@ -138,14 +138,6 @@ class Evaluations:
         )
 
 
-def _genome_or_fault(message) -> Genome | Evaluation:
-    """The genome of a message, or the evaluation that a malformed one gets."""
-    try:
-        return genome_from_message(message)
-    except GenomeError as error:
-        return invalid(brief(error))
-
-
 def _fault_of_bars(request) -> str:
     """What is wrong with the bars of a request, or nothing."""
     bars, count = request.bars, len(request.genomes)
@@ -155,3 +147,11 @@ def _fault_of_bars(request) -> str:
         if math.isnan(bar):
             return f"bars[{k}] is not a number: give metres, or -inf where a life is not to stop"
     return ""
+
+
+def _genome_or_fault(message) -> Genome | Evaluation:
+    """The genome of a message, or the evaluation that a malformed one gets."""
+    try:
+        return genome_from_message(message)
+    except GenomeError as error:
+        return invalid(brief(error))
