@@ -178,7 +178,8 @@ def test_a_cancelled_batch_leaves_its_worker_and_a_dropped_worker_gets_nothing(c
         assert all(one.cancel() and one.cancelled() for one in endless)
         assert behind.result(DEADLINE).evaluations == right
         backend.drop(name, "it answers wrongly")
-        until(lambda: (backend.workers, backend._listed is not None)[1])
+        looked = time.monotonic()
+        until(lambda: backend.workers or backend._looked > looked + 1.0)  # it is listed, and no worker any more
         assert not backend.workers and type(backend.submit(Batch(GENOMES, TASK, SEED), name).exception()) is NotEvaluated
 
 

@@ -24,7 +24,7 @@ PARAMETERS = {
     "max_batch": (1000, 1, 10_000, "genomes in one request, at the most"),
     "max_elements": (MAX_ELEMENTS, 8, MAX_ELEMENTS, "elements of a genome, at the most"),
     "max_cells": (1024, 1, MOST_CELLS, "development.max_cells of a task, at the most"),
-    "max_steps": (1_000_000, 1, MOST, "steps of one evaluation, of growth and of all starts and tests, at the most"),
+    "max_steps": (2_000_000, 1, MOST, "steps of one evaluation, of growth and of all starts and tests, at the most"),
     "max_seconds": (3600, 1, MOST, "s of one core that a request may take, as its numbers tell"),
     "max_waiting": (100, 1, 10_000, "requests that wait or are under way, at the most"),
 }
