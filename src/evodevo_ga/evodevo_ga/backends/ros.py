@@ -19,7 +19,7 @@ from evodevo_sim import Task
 
 from ..times import MESSAGES, Times
 from .contract import Answer, Backend, Batch, NotEvaluated
-from .simulator import Simulator
+from .simulator import LOOK_EVERY, Simulator
 
 SERVICE_TYPE = "evodevo_msgs/srv/Evaluate"
 AWAY = 120.0  # s out of reach after which a simulator counts as lost, where nobody can tell whether its process has ended
@@ -53,7 +53,7 @@ class RosBackend(Backend):
         self._group = ReentrantCallbackGroup()
         self._simulators: dict[str, Simulator] = {}
         self._named = list(services)
-        self._looked = 0.0
+        self._looked = self._looked_at_all = 0.0
         self._task: tuple[Task, Any] | None = None
 
     @property
@@ -79,7 +79,9 @@ class RosBackend(Backend):
             one.look()
             if one.gone and service not in there:
                 self._simulators.pop(service).close()
-        self._reach_the_estranged()
+        if self._looked_at_all + LOOK_EVERY < time.monotonic():
+            self._looked_at_all = time.monotonic()
+            self._reach_the_estranged()
 
     def _reach_the_estranged(self) -> None:
         """Fast DDS may never find a process again that was stopped soon after its start: a new participant finds it at once."""
