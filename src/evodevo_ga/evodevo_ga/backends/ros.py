@@ -133,11 +133,12 @@ class RosBackend(Backend):
         if self._other is None:
             self._executor.spin_once(timeout_sec=seconds)
             return
-        executors = [self._executor, self._other.executor]
-        if sum(one.node is self._other.node for one in self._simulators.values()) * 2 > len(self._simulators):
-            executors.reverse()
-        executors[1].spin_once(timeout_sec=0.0)
-        executors[0].spin_once(timeout_sec=min(seconds, _TURN))
+        there = sum(one.node is self._other.node for one in self._simulators.values())
+        first, second = self._executor, self._other.executor
+        if 2 * there > len(self._simulators):
+            first, second = second, first
+        second.spin_once(timeout_sec=0.0)
+        first.spin_once(timeout_sec=seconds if there in (0, len(self._simulators)) else min(seconds, _TURN))
 
     def hopeless(self) -> str:
         if self._own is not None and not self._graph and not self._named and self._own.spent():
