@@ -18,7 +18,7 @@ from evodevo_sim.ros.topics import WORKER
 from evodevo_sim.tasks.code import code_hash
 
 from evodevo_msgs.msg import Worker
-from evodevo_msgs.srv import Evaluate
+from evodevo_msgs.srv import Cancel, Evaluate
 from evodevo_sim import Evaluation, Status
 
 from ..times import MESSAGES, Times
@@ -91,11 +91,13 @@ class Simulator:
     def _join(self, node: Any) -> None:
         self.node = node
         self._client = node.create_client(Evaluate, self.service, callback_group=self._group)
+        self._canceller = node.create_client(Cancel, f"{self.service.rpartition('/')[0]}/cancel", callback_group=self._group)
         topic = WORKER.at(self.service.rpartition("/")[0])
         self._subscription = node.create_subscription(WORKER.type, topic, self._hear, WORKER.quality, callback_group=self._group)
 
     def close(self) -> None:
         self.node.destroy_client(self._client)
+        self.node.destroy_client(self._canceller)
         self.node.destroy_subscription(self._subscription)
 
     def move(self, node: Any) -> None:
@@ -135,13 +137,16 @@ class Simulator:
 
     def _send(self, request: Request) -> None:
         request.sent = time.monotonic()
+        request.message.client = self.node.get_fully_qualified_name()
         asked = self._client.call_async(request.message)
         request.asked.append(asked)
         asked.add_done_callback(lambda answered: self._take(request, answered))
 
     def _forget(self, request: Request) -> None:
-        """Nobody waits for a request any more."""
-        self._open.pop(request.id, None)
+        """Nobody waits for a request any more: who has it in work is told so."""
+        given_up = self._open.pop(request.id, None) is not None
+        if given_up and self.ready and request.future.cancelled() and self._canceller.service_is_ready():
+            self._canceller.call_async(Cancel.Request(id=request.id))
         for asked in request.asked:
             asked.cancel()
         request.asked = []

@@ -23,6 +23,7 @@ from ..ros.topics import ACTUATION, BODY, CELL_STATES, TARGET_POSE
 from ..task_kinds import names
 from ..tasks.evaluation import prepare
 from .evaluations import Evaluations
+from .limits import Limits
 
 
 class Simulator(Node):
@@ -38,7 +39,7 @@ class Simulator(Node):
         self._frame = self.declare_parameter("frame_id", "world", _fixed("frame of positions and targets")).value
         if not self._frame:
             raise ParameterError("frame_id is empty: give the name of a frame, e.g. world")
-        most = self.declare_parameter("max_batch", 1000, _fixed("genomes in one request, at the most", 1, 10_000)).value
+        self._limits = Limits.declared(self)
         threads = self.declare_parameter("threads", 1, _fixed("requests evaluated at once; 0: one a core", 0, 1024)).value
         every = self.declare_parameter("publish_every", 1, _fixed("control steps between cell states", 1, 100_000)).value
         first = self.declare_parameter("task", names()[0], _fixed("task whose first request does not wait")).value
@@ -46,7 +47,7 @@ class Simulator(Node):
         prepare(default_task(first), self.get_logger().info)
         self._newest = 0  # ns, stamp of the last target
         self._callbacks = Callbacks(self)
-        self._evaluations, self._births = Evaluations(self, self._callbacks, threads or cores(), most, stop.is_set), Desk("births")
+        self._evaluations, self._births = Evaluations(self, self._callbacks, threads or cores(), self._limits, stop.is_set), Desk("births")
 
         self._body = self.create_publisher(BODY.type, BODY.name, BODY.quality)
         self._states = self.create_publisher(CELL_STATES.type, CELL_STATES.name, CELL_STATES.quality)
@@ -70,6 +71,9 @@ class Simulator(Node):
     def _load(self, request, response):
         if self._stop.is_set():
             response.message = ENDING
+            return response
+        if why := self._limits.refuse_life(request.genome, request.task):
+            response.message = why
             return response
         try:
             check_pace(request.real_time_factor)
