@@ -19,7 +19,7 @@ from evodevo_sim import Task
 
 from ..times import MESSAGES, Times
 from .contract import Answer, Backend, Batch, NotEvaluated
-from .simulator import Simulator
+from .simulator import LOOK_EVERY, Simulator
 
 SERVICE_TYPE = "evodevo_msgs/srv/Evaluate"
 AWAY = 120.0  # s out of reach after which a simulator counts as lost, where nobody can tell whether its process has ended
@@ -53,7 +53,7 @@ class RosBackend(Backend):
         self._group = ReentrantCallbackGroup()
         self._simulators: dict[str, Simulator] = {}
         self._named = list(services)
-        self._looked = 0.0
+        self._looked = self._looked_at_all = 0.0
         self._task: tuple[Task, Any] | None = None
 
     @property
@@ -79,7 +79,9 @@ class RosBackend(Backend):
             one.look()
             if one.gone and service not in there:
                 self._simulators.pop(service).close()
-        self._reach_the_estranged()
+        if self._looked_at_all + LOOK_EVERY < time.monotonic():
+            self._looked_at_all = time.monotonic()
+            self._reach_the_estranged()
 
     def _reach_the_estranged(self) -> None:
         """Fast DDS may never find a process again that was stopped soon after its start: a new participant finds it at once."""
@@ -131,11 +133,12 @@ class RosBackend(Backend):
         if self._other is None:
             self._executor.spin_once(timeout_sec=seconds)
             return
-        executors = [self._executor, self._other.executor]
-        if sum(one.node is self._other.node for one in self._simulators.values()) * 2 > len(self._simulators):
-            executors.reverse()
-        executors[1].spin_once(timeout_sec=0.0)
-        executors[0].spin_once(timeout_sec=min(seconds, _TURN))
+        there = sum(one.node is self._other.node for one in self._simulators.values())
+        first, second = self._executor, self._other.executor
+        if 2 * there > len(self._simulators):
+            first, second = second, first
+        second.spin_once(timeout_sec=0.0)
+        first.spin_once(timeout_sec=seconds if there in (0, len(self._simulators)) else min(seconds, _TURN))
 
     def hopeless(self) -> str:
         if self._own is not None and not self._graph and not self._named and self._own.spent():

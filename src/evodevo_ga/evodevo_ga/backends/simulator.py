@@ -27,6 +27,7 @@ from .contract import Answer, AnswerError, NotEvaluated, WorkerLost
 LOOK_EVERY = 0.25  # s
 _SAYS_WHO_IT_IS = 1.5  # s until a node counts as one that does not say
 _SILENT = 3.5  # s without a word, where each second has one
+_MUTE = 15.0  # s without a word of one that is in reach, as a busy host may keep it waiting
 _FAR = 10.0  # s without a word of one on another host
 _LOST = 1.0  # s after which a request is lost of which the simulator knows nothing
 _ASK_AGAIN = 5.0  # s without an answer at the least, and doubled each time
@@ -115,12 +116,12 @@ class Simulator:
         if self.about is None or self._over or self._refused:
             return False
         now = time.monotonic()
-        since = max(self._heard, 0.0 if self.ready else self._changed)
+        since, silent = (self._heard, _MUTE) if self.ready else (max(self._heard, self._changed), _SILENT)
         running = runs(self.about.process)
         if running and self._stopped:
             self._stopped, self._runs_since = False, now
         self._stopped = running is False
-        return running is not False and now > max(since, self._runs_since) + (_SILENT if running else _FAR)
+        return running is not False and now > max(since, self._runs_since) + (silent if running else _FAR)
 
     # --- requests ---------------------------------------------------------------------------------------------------------
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from evodevo_sim import Genome, Task
 
-TARGET = 0.25  # s that a batch takes: long against a message, short against a generation
+TARGET = 0.5  # s that a batch takes: long against a message, short against a generation
 MOST = 64  # genomes in a batch
 FIRST = 4  # genomes in a batch, where nothing was measured
 _NEW = 0.2  # weight of a new measurement
