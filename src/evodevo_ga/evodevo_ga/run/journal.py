@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from typing import Any
 
 from evodevo_sim.recording.writer import Recorder
@@ -10,7 +11,7 @@ from evodevo_sim.ros import topics
 from evodevo_sim.tasks import audit
 from tqdm import tqdm
 
-from evodevo_sim import save_genome
+from evodevo_sim import Genome, save_genome
 
 from ..arguments import Options
 from ..auditor import Auditor, Finding
@@ -76,6 +77,10 @@ class Journal:
             self.verdict = audit.verdict_of(self._recorded.audits[self._of])
         if self.champion is not None:
             self._save(self._of, self.champion)
+
+    def expect(self, genomes: Sequence[Genome]) -> None:
+        """Prepare to keep a generation, while its genomes are evaluated; in whatever thread."""
+        self._checkpoints.expect(genomes)
 
     def take(self, generation: Generation, rate: float) -> None:
         """Record, keep and publish a generation, and the findings that are there.  Args: rate: evaluations/s."""

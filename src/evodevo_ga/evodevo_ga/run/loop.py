@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import threading
 import time
 from collections.abc import Callable
 from typing import Any
@@ -76,6 +77,8 @@ class Run:
         o, champion, began = self.options, self.journal.champion, time.monotonic()
         with self.times(BREEDING):
             asked = self.evolution.ask()
+        ahead = threading.Thread(target=self.journal.expect, args=(asked,), name="checkpoint", daemon=True)
+        ahead.start()
         with self.times(EVALUATION):
             best = champion.evaluation.fitness if champion else float("-inf")
             evaluations = evaluator.evaluate(asked, o.task, o.seed, self.stop, best)
@@ -83,6 +86,7 @@ class Run:
             return None
         with self.times(BREEDING):
             generation = self.evolution.tell(list(evaluations))
+        ahead.join()
         rate = len(asked) / (time.monotonic() - began)
         with self.times(RECORDING):
             self.journal.take(generation, rate)
