@@ -61,16 +61,16 @@ class Journal:
 
     def _take_up(self) -> None:
         """Record what the recording lacks of what is kept; audit the champions of whom no audit is recorded."""
-        now = time.time_ns()
+        times = dict(self._recorded.statistics)  # of those that are missing just behind the one before, so that they stand in order
+        now = min(times.values(), default=time.time_ns()) - 2 - self._evolution.generation
         for generation in self.history.generations():
             number = generation.generation
-            now = self._recorded.statistics.get(number, now + 1)
+            now = times.setdefault(number, now + 1)
             if number not in self._recorded.statistics:
                 self._recorder.write(topics.STATISTICS.name, statistics_message(generation, 0.0, now * 1e-9), now)
         for number, champion in self.history.champions():
-            now = self._recorded.statistics.get(number, now + 1)
             if number not in self._recorded.champions:
-                self._recorder.write(topics.CHAMPION.name, champion_message(number, champion, now * 1e-9), now)
+                self._recorder.write(topics.CHAMPION.name, champion_message(number, champion, times[number] * 1e-9), times[number])
             if number not in self._recorded.audits:
                 self._audit(number, champion)
         if self._of in self._recorded.audits:
