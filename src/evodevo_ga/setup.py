@@ -31,6 +31,7 @@ setup(
     entry_points={
         "console_scripts": [
             "evolve = evodevo_ga.commands:evolve",
+            "descent = evodevo_ga.commands:descent",
             "status = evodevo_ga.commands:status",
         ],
     },

@@ -77,11 +77,11 @@ class Options:
     quiet: bool
     start: tuple[Genome, ...] = ()
     scheme: str = "panmictic"
+    threads: int | None = None  # of each simulator of our own; None: one a core in one, or 1 in each of `simulators`
+    give_up_after: float = 3600.0  # s without a simulator
     limits: Limits = NONE
     sources: tuple[str, ...] = ()  # of the start genomes
     resumed: Resumed | None = None  # the run that goes on
-    threads: int | None = None  # of each simulator of our own; None: one a core in one, or 1 in each of `simulators`
-    give_up_after: float = 3600.0  # s without a simulator
     backend: str = "ros"  # one of BACKENDS
     scheduler: str = ""  # of Dask; empty: a cluster of our own
 
@@ -166,11 +166,12 @@ def parse(arguments: list[str]) -> Options:
         parser.error(str(error))
     out = Path(given.out or f"bags/{task.name}-{datetime.now():%Y%m%d-%H%M%S}")
     limits, sources = Limits(given.evaluations, given.hours), tuple(given.start)
-    return Options(
-        task, settings, given.seed, out, given.simulators, given.look, given.quiet, start, name, limits, sources,
-        threads=given.threads, give_up_after=given.give_up_after,
-        backend=given.backend, scheduler=given.scheduler,
-    )
+    return Options(task, settings, given.seed, out, start=start, scheme=name, limits=limits, sources=sources, **_how(given))
+
+
+def _how(given: Any) -> dict[str, Any]:
+    """What decides how a run is worked on, and no bit of it."""
+    return {name: getattr(given, name) for name in ("simulators", "look", "quiet", "threads", "give_up_after", "backend", "scheduler")}
 
 
 def _check_numbers(parser: Parser, given: Any) -> None:
@@ -211,9 +212,8 @@ def _resumed(parser: Parser, given: Any, arguments: list[str]) -> Options:
         parser.error(str(error))
     e = run.evolution
     return Options(
-        run.task, e.settings, e.seed, run.directory, given.simulators, given.look, given.quiet, e.start, e.scheme, run.limits,
-        run.sources, run, given.threads, given.give_up_after,
-        backend=given.backend, scheduler=given.scheduler,
+        run.task, e.settings, e.seed, run.directory, start=e.start, scheme=e.scheme, limits=run.limits, sources=run.sources, resumed=run,
+        **_how(given),
     )
 
 

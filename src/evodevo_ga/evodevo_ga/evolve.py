@@ -81,7 +81,7 @@ def _run(options: Options, arguments: list[str], recorded: Recorded) -> int:
             audit.prepare(options.task)
         stack.enter_context(heeded(stop.ask))
         auditor = stack.enter_context(Auditor(options.task, options.seed))
-        return Run(options, recorder, auditor, stop, times, node, executor, began, recorded).go()
+        return Run(options, recorder, auditor, stop, times, node, executor, began, recorded=recorded).go()
 
 
 def _refuse_finished(options: Options, recorded: Recorded) -> None:

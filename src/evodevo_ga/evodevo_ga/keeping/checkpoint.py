@@ -1,6 +1,6 @@
 """Checkpoints: all that a run is after a generation, in a file of JSON that goes on with the same bits.
 
-    {"evodevo_checkpoint":1,"program":"0.4.0","sha256":"…",
+    {"evodevo_checkpoint":1,"program":"0.4.0","code":"…","sha256":"…",
     "run":{"settings_hash":…,"task":…,"limits":…,"sources":…,"champion":…,"history":…,"evolution":…}}
 
 The hash is that of everything behind the first line: `tail -n +2 checkpoint.json | sha256sum`.  What the file holds follows from the
@@ -14,15 +14,18 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from evodevo_sim.inputs import shown
 from evodevo_sim.parameters import Checked, ParameterError
 
-from evodevo_sim import Task, __version__
+from evodevo_sim import Genome, Task, __version__
 
 from ..evolution import Evolution
 from ..individual import Individual, plain_genome
+from .code import search_hash
 from .errors import KeepingError, ResumeError
 from .files import FILES, Files, replace_file
 from .limits import RAISED, Limits
@@ -56,6 +59,10 @@ class Checkpoints:
         self._head = ",\n".join(f'"{name}":{compact(value)}' for name, value in about.items())
         self._start = listed([compact(plain_genome(genome)) for genome in evolution.start])
 
+    def expect(self, genomes: Iterable[Genome]) -> None:
+        """Prepare for the checkpoint of a generation whose genomes are these, while they are evaluated."""
+        self._texts.expect(genomes)
+
     def write(self, champion: Individual | None, generation: int, history: str) -> None:
         """Keep what the run is.  Raises KeepingError; the checkpoint before is kept then.
 
@@ -71,7 +78,7 @@ class Checkpoints:
             f'"history":{history},\n"evolution":{{\n{progress},\n"start":{self._start},\n"population":{listed(population)}}}}}}}\n'
         )
         data = text.encode()
-        first = {"evodevo_checkpoint": VERSION, "program": __version__, "sha256": hashlib.sha256(data).hexdigest()}
+        first = {"evodevo_checkpoint": VERSION, "program": __version__, "code": search_hash(), "sha256": hashlib.sha256(data).hexdigest()}
         try:
             replace_file(self._path, compact(first)[:-1].encode() + b",\n" + data, self._files, self._path.with_name(BEFORE))
         except OSError as error:
@@ -115,7 +122,7 @@ def _read(data: bytes, path: Path) -> dict[str, Any] | None:
     line, _, rest = data.partition(b"\n")
     try:
         first = json.loads(line.rstrip(b", \r") + b"}")
-        version, program, sha256 = first["evodevo_checkpoint"], first["program"], first["sha256"]
+        version, program, code, sha256 = (first[name] for name in ("evodevo_checkpoint", "program", "code", "sha256"))
     except (ValueError, RecursionError, KeyError, TypeError):
         return None
     if hashlib.sha256(rest).hexdigest() != sha256:
@@ -124,6 +131,9 @@ def _read(data: bytes, path: Path) -> dict[str, Any] | None:
         what = f"format {version!r}"[:40] + f" of version {program!r}"[:40]
         this = f"format {VERSION} of version {__version__!r}"
         raise ResumeError(f"{path} is {what}, and this program reads {this}: resume it with the version that it was begun with")
+    if code != search_hash():
+        what = f"{path} is of code {shown(code, 20)} of version {program}, and this is {search_hash()}, whose bits may differ"
+        raise ResumeError(f"{what}: resume it with the code that it was begun with")
     try:
         run = json.loads(b"{" + rest)["run"]
         return run if isinstance(run["evolution"]["generation"], int) else None

@@ -39,7 +39,7 @@ def placements(task: Task) -> np.ndarray:
 
 def attempt(
     genome: Genome, task: Task, seed: int, placed: np.ndarray, shown: int = LEFT, finer: float = 1.0,
-    kept: tuple[np.ndarray, np.ndarray] = _NOT_KEPT, every: bool = True, bar: float = -math.inf,
+    kept: tuple[np.ndarray, np.ndarray] = _NOT_KEPT, every: bool = True, *, bar: float = -math.inf,
 ) -> Trials:
     """All swims of a genome.
 
