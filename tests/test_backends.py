@@ -19,6 +19,7 @@ from evodevo_ga.backends.local import NAME, LocalBackend
 from evodevo_ga.backends.plain import answer_of_plain, batch_of_plain, plain_answer, plain_batch
 from evodevo_ga.backends.remote import IDENTITY
 from evodevo_ga.pool.driver import Pool
+from evodevo_ga.pool.pace import MOST, Pace
 from evodevo_sim.parameters import default_task, with_settings
 from evodevo_sim.task_kinds import names
 from genomes import beating, random_genomes
@@ -259,6 +260,15 @@ def test_a_generation_goes_on_where_a_worker_is_killed_in_the_middle_with_the_bi
         assert Pool(backend, say=said.append).evaluate(genomes, task, SEED, kill_once) == right
         assert killed.is_set()
         until(lambda: [second] == [*backend.workers])
+
+
+@given(st.integers(1, 10**6), st.integers(1, 2000), st.floats(1e-4, 10.0), st.floats(0.0, 0.1))
+def test_batches_that_cost_to_give_are_larger_and_never_more_than_wait_or_the_most(left, slots, seconds, cost):
+    pace = Pace()
+    pace.seconds = seconds
+    assert 1 <= pace.size(left, slots) <= pace.size(left, slots, cost) <= MOST
+    pace.seconds = 6.5e-3
+    assert pace.size(10_000, 1024) < 10 < pace.size(10_000, 1024, 3e-3) <= MOST
 
 
 def evolve(directory, *arguments):
