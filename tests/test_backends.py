@@ -12,6 +12,7 @@ from contextlib import contextmanager
 
 import numpy as np
 import pytest
+from evodevo_ga.arguments import parse
 from evodevo_ga.backends.contract import Answer, AnswerError, BackendError, Batch, NotEvaluated, WorkerLost
 from evodevo_ga.backends.dask import DaskBackend, _unlike
 from evodevo_ga.backends.dask_scheduler import _other_versions
@@ -272,7 +273,7 @@ def test_batches_that_cost_to_give_are_larger_and_never_more_than_wait_or_the_mo
 
 
 def evolve(directory, *arguments):
-    command = [sys.executable, "-m", "evodevo_ga.evolve", "--out", str(directory), "--generations", "3", "--population", "8", "--quiet"]
+    command = [sys.executable, "-m", "evodevo_ga.evolve", "--out", str(directory), "--generations", "2", "--population", "8", "--quiet"]
     command += ["--cells", "12", "--set", "control_steps=80", "--scheme", "panmictic", *arguments]
     return subprocess.run(command, capture_output=True, text=True, timeout=4 * DEADLINE, check=False)
 
@@ -296,10 +297,18 @@ def test_evolve_gives_the_same_run_by_threads_and_by_dask(cluster, tmp_path):
         (["--backend", "cloud"], "--backend is 'cloud': choose one of ros, local, dask"),
         (["--scheduler", "tcp://127.0.0.1:1"], "--scheduler is given where the backend is ros"),
         (["--backend", "local", "--simulators", "2"], "--simulators is given where the backend is local"),
-        (["--backend", "dask", "--scheduler", "here"], "'here' is no address of a Dask scheduler"),
+        (["--backend", "dask", "--scheduler", "tcp://127.0.0.1:1", "--threads", "2"], "--threads is given beside --scheduler"),
     ],
 )
-def test_a_backend_that_cannot_be_used_is_a_line_and_nothing_is_written(tmp_path, arguments, says):
-    ended = evolve(tmp_path / "run", *arguments)
-    assert ended.returncode == 2 and says in ended.stderr and ended.stderr.count("\n") == 1
+def test_a_backend_that_cannot_be_meant_is_a_line(capsys, arguments, says):
+    with pytest.raises(SystemExit) as left:
+        parse(arguments)
+    said = capsys.readouterr().err
+    assert left.value.code == 2 and says in said and said.count("\n") == 1
+
+
+def test_a_scheduler_that_cannot_be_used_is_a_line_and_nothing_is_written(tmp_path):
+    ended = evolve(tmp_path / "run", "--backend", "dask", "--scheduler", "here")
+    assert ended.returncode == 2 and ended.stderr.count("\n") == 1
+    assert ended.stderr.startswith("evolve: 'here' is no address of a Dask scheduler")
     assert not (tmp_path / "run").exists()
