@@ -24,6 +24,7 @@ from .simulator import LOOK_EVERY, Simulator
 SERVICE_TYPE = "evodevo_msgs/srv/Evaluate"
 AWAY = 120.0  # s out of reach after which a simulator counts as lost, where nobody can tell whether its process has ended
 _LOOK_EVERY = 1.0  # s, on the graph
+_GAP = 1.0  # s between two looks
 _TURN = 0.01  # s for one of two executors
 _AGAIN, _LONGEST = 5.0, 60.0  # s from one new node to the next, doubled each time until nobody is estranged
 
@@ -53,7 +54,7 @@ class RosBackend(Backend):
         self._group = ReentrantCallbackGroup()
         self._simulators: dict[str, Simulator] = {}
         self._named = list(services)
-        self._looked = self._looked_at_all = 0.0
+        self._looked = self._looked_at_all = self._looked_last = 0.0
         self._task: tuple[Task, Any] | None = None
 
     @property
@@ -62,6 +63,10 @@ class RosBackend(Backend):
         return {one.name: one.threads for one in self._simulators.values() if one.usable}
 
     def _look(self) -> None:
+        before, self._looked_last = self._looked_last, time.monotonic()
+        if self._looked_last > before + _GAP:  # it is us who stood still: nobody was heard, who spoke
+            for one in self._simulators.values():
+                one.excuse()
         there = list(self._named)
         if self._own is not None:
             for service in self._own.watch():

@@ -110,6 +110,10 @@ class Simulator:
             request.asked = []
         self._join(node)
 
+    def excuse(self) -> None:
+        """Silence until this moment says nothing."""
+        self._heard = self._runs_since = time.monotonic()
+
     @property
     def estranged(self) -> bool:
         """Whether it has been out of reach, or silent, though it runs as far as one can tell: DDS may have lost it for good."""
@@ -144,7 +148,7 @@ class Simulator:
 
     def _forget(self, request: Request) -> None:
         """Nobody waits for a request any more: who has it in work is told so."""
-        given_up = self._open.pop(request.id, None) is not None
+        given_up = self._open.pop(request.id, None) is not None and self.node.context.ok()
         if given_up and self.ready and request.future.cancelled() and self._canceller.service_is_ready():
             self._canceller.call_async(Cancel.Request(id=request.id))
         for asked in request.asked:
