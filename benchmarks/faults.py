@@ -17,6 +17,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import psutil
@@ -77,7 +78,12 @@ class Watched:
         return first
 
     def simulators(self):
-        return [child for child in psutil.Process(self.process.pid).children() if "evodevo_sim.commands.simulator" in child.cmdline()]
+        found = []
+        for child in psutil.Process(self.process.pid).children():
+            with suppress(psutil.Error):  # it has ended meanwhile
+                if "evodevo_sim.commands.simulator" in child.cmdline():
+                    found.append(child)
+        return found
 
     def stopped(self, processes, seconds):
         """Stop processes for so long.  Returns: s from its end to the next generation."""

@@ -12,7 +12,8 @@ import threading
 import numpy as np
 import rclpy
 from evodevo_sim.live.animat import Animat
-from evodevo_sim.nodes.living import Living
+from evodevo_sim.nodes.limits import Limits
+from evodevo_sim.nodes.living import Living, Manner
 from evodevo_sim.plant import Outcome
 from evodevo_sim.ros.barrier import Callbacks, Desk, spin
 from evodevo_sim.ros.process import stay_on_this_host
@@ -43,7 +44,8 @@ class Driver(Node):
     def __init__(self, stop):
         super().__init__("driver")
         self._births = Desk("births")
-        self._living = Living(self, Callbacks(self), self._births, "world", 1, 1.0, stop.is_set, self._make)
+        manner, limits = Manner.declared(self), Limits.declared(self)
+        self._living = Living(self, Callbacks(self), self._births, manner, limits, stop.is_set, self._make)
 
     def _make(self, genome, task, seed):
         return Animat(genome, task, seed, lambda grown: Springs(grown.position))

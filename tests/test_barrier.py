@@ -24,10 +24,10 @@ WITHOUT_MEMORY = """
 import sys
 from evodevo_sim.nodes import evaluations
 right = evaluations.evaluate
-def evaluate(genome, task, seed):
+def evaluate(genome, *given):
     if len(genome) == {length}:
         raise MemoryError("no room" * 1000)
-    return right(genome, task, seed)
+    return right(genome, *given)
 evaluations.evaluate = evaluate
 from evodevo_sim.commands.entry import simulator as entry
 sys.argv = ["simulator", "--ros-args", "-r", "__ns:={namespace}"]

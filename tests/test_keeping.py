@@ -219,8 +219,9 @@ def test_the_text_of_an_individual_is_that_of_its_plain_data_to_the_last_bit(ele
     cause = 'the "body"\n\u00e9' if status else ""
     evaluation = Evaluation(fitness, Status(status), cause, Metrics(cells=3, distance=fitness / 3))
     one = Individual(genome, evaluation, 1, 2, 3, (1, 2), ("points",))
-    texts = Texts()
-    for text in (*texts.of([one, one]), *texts.of([one])):
+    texts, ahead = Texts(), Texts()
+    ahead.expect([genome])
+    for text in (*texts.of([one, one]), *texts.of([one]), *ahead.of([one])):
         assert repr(json.loads(text)) == repr(json.loads(json.dumps(plain_individual(one))))
         assert individual_of_plain(json.loads(text)).genome == genome
 

@@ -1,6 +1,9 @@
 """What a request asks is looked at by lengths and numbers alone: nothing of its size is converted or evaluated before."""
 
 import dataclasses
+import os
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -61,7 +64,7 @@ SMALL, BEATING = task_message(default_task("swim")), genome_message(beating())
         ([BEATING], message(**{"development.max_cells": 4096}), "-p max_cells:=4096"),
         ([BEATING], message(control_steps=10_000_000), "-p max_steps:=10000400"),
         ([BEATING] * 1000, message(control_steps=999_600), "-p max_seconds:="),
-        ([BEATING], Message(scene=Message(ground=Sized(10**9), ceiling=())), f"ground has {10**9} points: give none, or 2 to {MOST_POINTS}"),
+        ([BEATING], Message(scene=Message(ground=Sized(10**9), ceiling=())), f"points: give none, or 2 to {MOST_POINTS}"),
     ],
 )
 def test_what_is_too_much_is_refused_in_one_line_with_the_mend(genomes, task, says):
@@ -85,7 +88,7 @@ def test_a_lower_limit_of_elements_names_the_genome_and_the_librarys_own_fails_a
 
 
 def test_requests_that_wait_are_limited():
-    assert "100 requests wait already" in LIMITS.refuse([BEATING], SMALL, waiting=100)
+    assert "too many requests wait, 100, as many as max_waiting allows" in LIMITS.refuse([BEATING], SMALL, waiting=100)
 
 
 @given(st.integers(MAX_ELEMENTS + 1, 10**12), st.integers(0, 3))
@@ -113,3 +116,13 @@ def test_the_cost_grows_with_everything_that_costs(name, cells, windows, units):
 def test_a_profile_of_too_many_points_is_a_parameter_error_of_the_library_too():
     with pytest.raises(ParameterError, match="points: give none"):
         dataclasses.replace(Task().scene, ground_x=range(MOST_POINTS + 1), ground_y=range(MOST_POINTS + 1))
+
+
+def test_a_node_that_is_to_be_secured_where_dds_has_no_security_ends_with_a_line(tmp_path):
+    environment = os.environ | {"ROS_SECURITY_ENABLE": "true", "ROS_SECURITY_STRATEGY": "Enforce", "ROS_SECURITY_KEYSTORE": str(tmp_path)}
+    (tmp_path / "enclaves").mkdir()
+    command = [sys.executable, "-m", "evodevo_sim.commands.simulator"]
+    ended = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=120, check=False)
+    said = [line for line in ended.stderr.splitlines() if line.startswith("simulator: ")]
+    assert ended.returncode == 2 and len(said) == 1 and "ROS_SECURITY_ENABLE is true" in said[0] and len(said[0]) <= 320
+    assert "Traceback" not in ended.stderr

@@ -114,6 +114,8 @@ def test_a_run_that_is_killed_twice_and_resumed_is_the_run_that_was_not(tmp_path
         until(process, directory, 13)
         process.kill()
     (directory / NAME).write_bytes((directory / NAME).read_bytes()[:-100])
+    for name, rest in (("run_0.mcap", 100), ("run_1.mcap", (directory / "run_1.mcap").stat().st_size // 2)):  # as a power cut leaves them
+        os.truncate(directory / name, rest)
     code, stdout, stderr = run("--resume", directory, "--quiet")
     assert code == 0 and stderr.count("\n") == 1 and "checkpoint.json is damaged: going on after generation" in stderr, stderr
     assert "24 generations" in stdout and "Go on:" not in stdout

@@ -20,6 +20,7 @@ setup(
     extras_require={
         "ros": ["evodevo_sim[gaits,ros]", "pyarrow"],
         "view": ["evodevo_sim[view]", "matplotlib"],
+        "dask": ["distributed"],
         "test": ["pytest", "pytest-timeout", "hypothesis"],
     },
     python_requires=">=3.11",

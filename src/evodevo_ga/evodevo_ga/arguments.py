@@ -8,6 +8,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from evodevo_sim.inputs import shown
 from evodevo_sim.parameters import PRESETS, ParameterError, Task, default_task, known_kind, preset, with_settings
 from evodevo_sim.ros.command_line import Parser, pairs, real_number, whole_number
 from evodevo_sim.ros.environment import without_ros
@@ -49,7 +50,8 @@ examples:
 Simulator nodes found on the ROS graph do the work, e.g. those that you start yourself by
   ros2 run evodevo_sim simulator --ros-args -r __ns:=/sim_0
 Any that come later are used too.  When there are none, evolve starts one of its own with a thread per core, or with --simulators N
-and --threads N as many as these say, and ends them.
+and --threads N as many as these say, and ends them.  With --backend local threads of evolve itself evaluate, and with --backend dask
+the workers of a Dask scheduler (docs/guide/cluster.md), to the same bits.
 
 The run's directory holds a rosbag2 recording in MCAP, champion.yaml, a checkpoint of the last generation, and every individual
 as Parquet (docs/reference/run.md). See it by
@@ -60,6 +62,7 @@ where Ctrl-C, SIGTERM or a terminal that closed ended it early. That ends in goo
 A second Ctrl-C ends at once, and keeps what was recorded.
 A closed output, as of `evolve | head`, ends nothing.
 """
+BACKENDS = ("ros", "local", "dask")
 _NUMBER = {int: whole_number, float: real_number}
 
 
@@ -80,6 +83,8 @@ class Options:
     sources: tuple[str, ...] = ()  # of the start genomes
     resumed: Resumed | None = None  # the run that goes on
     view: str | None = None  # the Rerun file of who watches, or nothing for the viewer; None: nobody does
+    backend: str = "ros"  # one of BACKENDS
+    scheduler: str = ""  # of Dask; empty: a cluster of our own
 
 
 def parse(arguments: list[str]) -> Options:
@@ -97,6 +102,11 @@ def parse(arguments: list[str]) -> Options:
     )
     parser.add_argument("--out", metavar="DIR", help="directory of the run, made anew (default bags/TASK-DATE-TIME)")
     parser.add_argument("--simulators", type=whole_number, metavar="N", help="start N simulator nodes of our own, whatever is on the graph")
+    backends = "who evaluates: simulator nodes (ros), threads of this process (local), or workers of Dask (dask) (default %(default)s)"
+    parser.add_argument("--backend", default=BACKENDS[0], metavar="NAME", help=backends)
+    parser.add_argument(
+        "--scheduler", default="", metavar="ADDRESS", help="dask: e.g. tcp://HOST:8786 (default: a worker of our own, a thread per core)"
+    )
     threads = "threads of each simulator of our own (default: one a core in one simulator, or 1 where --simulators is given)"
     parser.add_argument("--threads", type=whole_number, metavar="N", help=threads)
     parser.add_argument(
@@ -166,10 +176,19 @@ def parse(arguments: list[str]) -> Options:
 
 def _how(given: Any) -> dict[str, Any]:
     """What decides how a run is worked on, and no bit of it."""
-    return {name: getattr(given, name) for name in ("simulators", "look", "quiet", "threads", "give_up_after", "view")}
+    names = ("simulators", "look", "quiet", "threads", "give_up_after", "view", "backend", "scheduler")
+    return {name: getattr(given, name) for name in names}
 
 
 def _check_numbers(parser: Parser, given: Any) -> None:
+    if given.backend not in BACKENDS:
+        parser.error(f"--backend is {shown(given.backend)}: choose one of {', '.join(BACKENDS)}")
+    if given.scheduler and given.backend != "dask":
+        parser.error(f"--scheduler is given where the backend is {given.backend}: add --backend dask, or leave it out")
+    if given.simulators is not None and given.backend != "ros":
+        parser.error(f"--simulators is given where the backend is {given.backend}: leave it out; --threads says how many threads work")
+    if given.threads is not None and given.scheduler:
+        parser.error("--threads is given beside --scheduler: leave it out, workers have the threads that they were started with")
     if not 0 <= given.seed < 2**63:
         parser.error(f"--seed is {given.seed}: give a whole number from 0 to 2^63 - 1")
     if given.simulators is not None and not 1 <= given.simulators <= 256:

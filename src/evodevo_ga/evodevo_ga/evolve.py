@@ -25,6 +25,7 @@ from .keeping.errors import KeepingError, ResumeError
 from .keeping.lock import Lock, refuse_if_held
 from .keeping.sessions import Sessions
 from .pool.vigil import PoolError
+from .run.backends import check_backend
 from .run.loop import Run
 from .run.recorded import Recorded, recorded_in
 from .times import START, Times
@@ -53,6 +54,7 @@ def evolve(options: Options, arguments: list[str]) -> int:
     """Evolve as the command line says.  Args: arguments: those of ROS among them.  Returns: the exit code."""
     stay_on_this_host()
     try:
+        check_backend(options)
         if options.resumed is None:
             refuse_if_held(options.out)
             return _run(options, arguments, Recorded())
@@ -84,7 +86,7 @@ def _run(options: Options, arguments: list[str], recorded: Recorded) -> int:
             audit.prepare(options.task)
         stack.enter_context(heeded(stop.ask))
         auditor = stack.enter_context(Auditor(options.task, options.seed))
-        return Run(options, recorder, auditor, stop, times, node, executor, began, recorded).go()
+        return Run(options, recorder, auditor, stop, times, node, executor, began, recorded=recorded).go()
 
 
 def _refuse_finished(options: Options, recorded: Recorded) -> None:

@@ -9,6 +9,7 @@ _EXTRAS = {
     "pyarrow": "evodevo_ga[ros]", "mcap": "ros", "mcap_ros2": "ros", "zstandard": "ros", "rich": "ros", "tqdm": "ros",
     "rclpy": "ros", "ament_index_python": "ros", "builtin_interfaces": "ros", "geometry_msgs": "ros", "rcl_interfaces": "ros",
     "diagnostic_msgs": "ros", "sensor_msgs": "ros", "std_msgs": "ros", "std_srvs": "ros", "visualization_msgs": "ros",
+    "distributed": "evodevo_ga[dask]", "dask": "evodevo_ga[dask]",
 }
 
 

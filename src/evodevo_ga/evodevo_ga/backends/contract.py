@@ -84,10 +84,17 @@ class AnswerError(ValueError):
 class Backend(ABC):
     """Workers behind one contract.  All methods are called in the pool's thread; futures may end in any.
 
-    Attributes: trusted: whether workers run the code of this very process, so that their answers need no proof.
+    Attributes: trusted: whether workers run the code of this very process, so that their answers need no proof; cost: s that it takes
+        this process, or one other that all batches go through, to give a batch.
     """
 
     trusted = False
+    cost = 0.0
+
+    @property
+    def mend(self) -> str:
+        """How somebody brings a worker, where there is none."""
+        return "start it by ros2 run evodevo_sim simulator"
 
     @property
     @abstractmethod

@@ -19,11 +19,12 @@ from evodevo_sim import Task
 
 from ..times import MESSAGES, Times
 from .contract import Answer, Backend, Batch, NotEvaluated
-from .simulator import Simulator
+from .simulator import LOOK_EVERY, Simulator
 
 SERVICE_TYPE = "evodevo_msgs/srv/Evaluate"
 AWAY = 120.0  # s out of reach after which a simulator counts as lost, where nobody can tell whether its process has ended
 _LOOK_EVERY = 1.0  # s, on the graph
+_GAP = 1.0  # s between two looks
 _TURN = 0.01  # s for one of two executors
 _AGAIN, _LONGEST = 5.0, 60.0  # s from one new node to the next, doubled each time until nobody is estranged
 
@@ -53,7 +54,7 @@ class RosBackend(Backend):
         self._group = ReentrantCallbackGroup()
         self._simulators: dict[str, Simulator] = {}
         self._named = list(services)
-        self._looked = 0.0
+        self._looked = self._looked_at_all = self._looked_last = 0.0
         self._task: tuple[Task, Any] | None = None
 
     @property
@@ -62,6 +63,10 @@ class RosBackend(Backend):
         return {one.name: one.threads for one in self._simulators.values() if one.usable}
 
     def _look(self) -> None:
+        before, self._looked_last = self._looked_last, time.monotonic()
+        if self._looked_last > before + _GAP:  # it is us who stood still: nobody was heard, who spoke
+            for one in self._simulators.values():
+                one.excuse()
         there = list(self._named)
         if self._own is not None:
             for service in self._own.watch():
@@ -79,7 +84,9 @@ class RosBackend(Backend):
             one.look()
             if one.gone and service not in there:
                 self._simulators.pop(service).close()
-        self._reach_the_estranged()
+        if self._looked_at_all + LOOK_EVERY < time.monotonic():
+            self._looked_at_all = time.monotonic()
+            self._reach_the_estranged()
 
     def _reach_the_estranged(self) -> None:
         """Fast DDS may never find a process again that was stopped soon after its start: a new participant finds it at once."""
@@ -131,11 +138,12 @@ class RosBackend(Backend):
         if self._other is None:
             self._executor.spin_once(timeout_sec=seconds)
             return
-        executors = [self._executor, self._other.executor]
-        if sum(one.node is self._other.node for one in self._simulators.values()) * 2 > len(self._simulators):
-            executors.reverse()
-        executors[1].spin_once(timeout_sec=0.0)
-        executors[0].spin_once(timeout_sec=min(seconds, _TURN))
+        there = sum(one.node is self._other.node for one in self._simulators.values())
+        first, second = self._executor, self._other.executor
+        if 2 * there > len(self._simulators):
+            first, second = second, first
+        second.spin_once(timeout_sec=0.0)
+        first.spin_once(timeout_sec=seconds if there in (0, len(self._simulators)) else min(seconds, _TURN))
 
     def hopeless(self) -> str:
         if self._own is not None and not self._graph and not self._named and self._own.spent():

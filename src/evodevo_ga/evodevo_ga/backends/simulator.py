@@ -18,7 +18,7 @@ from evodevo_sim.ros.topics import WORKER
 from evodevo_sim.tasks.code import code_hash
 
 from evodevo_msgs.msg import Worker
-from evodevo_msgs.srv import Evaluate
+from evodevo_msgs.srv import Cancel, Evaluate
 from evodevo_sim import Evaluation, Status
 
 from ..times import MESSAGES, Times
@@ -27,6 +27,7 @@ from .contract import Answer, AnswerError, NotEvaluated, WorkerLost
 LOOK_EVERY = 0.25  # s
 _SAYS_WHO_IT_IS = 1.5  # s until a node counts as one that does not say
 _SILENT = 3.5  # s without a word, where each second has one
+_MUTE = 15.0  # s without a word of one that is in reach, as a busy host may keep it waiting
 _FAR = 10.0  # s without a word of one on another host
 _LOST = 1.0  # s after which a request is lost of which the simulator knows nothing
 _ASK_AGAIN = 5.0  # s without an answer at the least, and doubled each time
@@ -90,11 +91,13 @@ class Simulator:
     def _join(self, node: Any) -> None:
         self.node = node
         self._client = node.create_client(Evaluate, self.service, callback_group=self._group)
+        self._canceller = node.create_client(Cancel, f"{self.service.rpartition('/')[0]}/cancel", callback_group=self._group)
         topic = WORKER.at(self.service.rpartition("/")[0])
         self._subscription = node.create_subscription(WORKER.type, topic, self._hear, WORKER.quality, callback_group=self._group)
 
     def close(self) -> None:
         self.node.destroy_client(self._client)
+        self.node.destroy_client(self._canceller)
         self.node.destroy_subscription(self._subscription)
 
     def move(self, node: Any) -> None:
@@ -107,18 +110,22 @@ class Simulator:
             request.asked = []
         self._join(node)
 
+    def excuse(self) -> None:
+        """Silence until this moment says nothing."""
+        self._heard = self._runs_since = time.monotonic()
+
     @property
     def estranged(self) -> bool:
         """Whether it has been out of reach, or silent, though it runs as far as one can tell: DDS may have lost it for good."""
         if self.about is None or self._over or self._refused:
             return False
         now = time.monotonic()
-        since = max(self._heard, 0.0 if self.ready else self._changed)
+        since, silent = (self._heard, _MUTE) if self.ready else (max(self._heard, self._changed), _SILENT)
         running = runs(self.about.process)
         if running and self._stopped:
             self._stopped, self._runs_since = False, now
         self._stopped = running is False
-        return running is not False and now > max(since, self._runs_since) + (_SILENT if running else _FAR)
+        return running is not False and now > max(since, self._runs_since) + (silent if running else _FAR)
 
     # --- requests ---------------------------------------------------------------------------------------------------------
 
@@ -134,13 +141,16 @@ class Simulator:
 
     def _send(self, request: Request) -> None:
         request.sent = time.monotonic()
+        request.message.client = self.node.get_fully_qualified_name()
         asked = self._client.call_async(request.message)
         request.asked.append(asked)
         asked.add_done_callback(lambda answered: self._take(request, answered))
 
     def _forget(self, request: Request) -> None:
-        """Nobody waits for a request any more."""
-        self._open.pop(request.id, None)
+        """Nobody waits for a request any more: who has it in work is told so."""
+        given_up = self._open.pop(request.id, None) is not None and self.node.context.ok()
+        if given_up and self.ready and request.future.cancelled() and self._canceller.service_is_ready():
+            self._canceller.call_async(Cancel.Request(id=request.id))
         for asked in request.asked:
             asked.cancel()
         request.asked = []

@@ -14,13 +14,14 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 from evodevo_sim.inputs import shown
 from evodevo_sim.parameters import Checked, ParameterError
 
-from evodevo_sim import Task, __version__
+from evodevo_sim import Genome, Task, __version__
 
 from ..evolution import Evolution
 from ..individual import Individual, plain_genome
@@ -57,6 +58,10 @@ class Checkpoints:
         }
         self._head = ",\n".join(f'"{name}":{compact(value)}' for name, value in about.items())
         self._start = listed([compact(plain_genome(genome)) for genome in evolution.start])
+
+    def expect(self, genomes: Iterable[Genome]) -> None:
+        """Prepare for the checkpoint of a generation whose genomes are these, while they are evaluated."""
+        self._texts.expect(genomes)
 
     def write(self, champion: Individual | None, generation: int, history: str) -> None:
         """Keep what the run is.  Raises KeepingError; the checkpoint before is kept then.

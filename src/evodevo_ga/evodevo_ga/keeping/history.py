@@ -151,7 +151,7 @@ class History:
     def take(self, generation: Generation, evolution: Evolution) -> None:
         """Add a generation, the last one of an evolution."""
         stays = {one.number for one in evolution.population}
-        now, group = generation.generation, getattr(evolution.search, "group", lambda one: one.layer)
+        now, group = generation.generation, getattr(evolution.search, "group", lambda one: one.layer)  # schemes without groups have none
         rows = [_child_row(one, now, group(one)) for one in evolution.children]
         for row, one in zip(rows, evolution.children):
             row += [one.number in stays, *(getattr(one.evaluation.metrics, name) for name in _MAIN)]

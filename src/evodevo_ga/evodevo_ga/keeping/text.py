@@ -10,6 +10,8 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from evodevo_sim import Genome
+
 from ..individual import Individual
 
 _ZERO = np.uint8(ord("0"))
@@ -32,6 +34,11 @@ class Texts:
     def __init__(self) -> None:
         self._numbers = _Numbers()
         self._known: dict[int, tuple[Individual, str]] = {}
+        self._genomes: dict[int, tuple[Genome, str]] = {}
+
+    def expect(self, genomes: Iterable[Genome]) -> None:
+        """Make the texts of genomes ahead of the next call of `of`, in whatever thread."""
+        self._genomes = {id(genome): (genome, self._genome(genome)) for genome in genomes}
 
     def of(self, individuals: Iterable[Individual]) -> list[str]:
         """The text of each."""
@@ -42,11 +49,12 @@ class Texts:
             found = self._known.get(id(one))  # the individual beside it lives, so that nobody else has its id
             known[id(one)] = found if found is not None else (one, self._text(one))
             texts.append(known[id(one)][1])
-        self._known = known
+        self._known, self._genomes = known, {}
         return texts
 
     def _text(self, one: Individual) -> str:
-        genome, e = one.genome, one.evaluation
+        e, ahead = one.evaluation, self._genomes.get(id(one.genome))
+        genome = ahead[1] if ahead else self._genome(one.genome)
         evaluation = compact({
             "fitness": float(e.fitness), "status": e.status.name, "cause": e.cause,
             "metrics": {**vars(e.metrics), "steering": vars(e.metrics.steering)},
@@ -54,16 +62,18 @@ class Texts:
         about = compact({
             "born": one.born, "layer": one.layer, "number": one.number, "parents": one.parents, "operators": one.operators,
         })[1:]
+        return f'{{"genome":{genome},"evaluation":{evaluation},{about}'
+
+    def _genome(self, genome: Genome) -> str:
         kind = ",".join((genome.kind + _ZERO).tobytes().decode())  # digits of one place
         sign = ",".join((genome.sign > 0).tobytes().decode()).replace("\0", "-1").replace("\1", "1")
-        return (
-            f'{{"genome":{{"kind":[{kind}],"sign":[{sign}],"x":{self._real(genome.x)},"y":{self._real(genome.y)}}},'
-            f'"evaluation":{evaluation},{about}'
-        )
+        return f'{{"kind":[{kind}],"sign":[{sign}],"x":{self._real(genome.x)},"y":{self._real(genome.y)}}}'
 
     def _real(self, values: np.ndarray) -> str:
-        numbers = self._numbers
-        return f"[{','.join([numbers[value] if value else repr(value) for value in values.tolist()])}]"
+        numbers, plain = self._numbers, values.tolist()
+        if 0.0 in plain:
+            return f"[{','.join(map(repr, plain))}]"
+        return f"[{','.join(map(numbers.__getitem__, plain))}]"
 
 
 def listed(texts: Sequence[str]) -> str:

@@ -135,7 +135,7 @@ class Pool:
             if now < self._rests.get(name, 0.0) or any(one.alone for one in at):
                 continue
             while len(at) < threads + max(1, threads // 2):  # some wait there, so that it never waits for us
-                size = self._pace.size(len(work.waiting), slots)
+                size = self._pace.size(len(work.waiting), slots, self.backend.cost)
                 places = work.next(name, size if name in self._answered else 1, len(workers) > 1)
                 if not places:
                     break

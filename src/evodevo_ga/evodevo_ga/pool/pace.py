@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from evodevo_sim import Genome, Task
 
-TARGET = 0.25  # s that a batch takes: long against a message, short against a generation
+TARGET = 0.5  # s that a batch takes: long against a message, short against a generation
 MOST = 64  # genomes in a batch
 FIRST = 4  # genomes in a batch, where nothing was measured
 _NEW = 0.2  # weight of a new measurement
@@ -40,13 +41,15 @@ class Pace:
             self.seconds = self.seconds + _NEW * (each - self.seconds) if self.seconds else each
             self._worst = max(self._worst, seconds / slowest(genomes, task))
 
-    def size(self, left: int, slots: int) -> int:
+    def size(self, left: int, slots: int, cost: float = 0.0) -> int:
         """Genomes for the next batch: fewer towards the end, so that the last to finish keeps nobody waiting.
 
-        Args: left: genomes that wait; slots: batches that workers take at once.
+        Args: left: genomes that wait; slots: batches that workers take at once; cost: s that it takes us to give a batch.  In batches of
+            n we need left / n costs, and wait for n evaluations at the end: both together are least where n^2 = left cost / seconds.
         """
-        by_time = int(TARGET / self.seconds) if self.seconds else FIRST
-        return max(1, min(left // (2 * max(slots, 1)), by_time, MOST))
+        by_time = int(max(TARGET, cost * slots) / self.seconds) if self.seconds else FIRST  # who gives batches must keep up
+        worth_it = int(math.sqrt(left * cost / self.seconds)) if self.seconds else 1
+        return max(1, min(max(left // (2 * max(slots, 1)), worth_it), by_time, MOST))
 
     def patience(self, genomes: Sequence[Genome], task: Task) -> float:
         """s in work after which a batch counts as hanging.

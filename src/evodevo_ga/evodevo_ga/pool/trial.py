@@ -24,7 +24,7 @@ from ..backends.contract import Batch
 Judge = Callable[[Batch, float], Evaluation | str]  # see `judged`
 
 COMMAND = [sys.executable, "-m", __spec__.name]
-START = 60.0  # s for the process to start
+START = 300.0  # s for the process to start, also on a host that is busy: nobody is condemned for that
 
 
 class Trials:

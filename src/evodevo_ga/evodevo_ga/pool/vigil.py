@@ -54,4 +54,4 @@ class Vigil:
             raise PoolError(f"no simulator is left{self._last}: run again with --simulators 2 to start two")
         if now - since >= _MOMENT and not self._told:
             self._told = True
-            self._say(f"no simulator is left{self._last}: waiting for one; start it by ros2 run evodevo_sim simulator")
+            self._say(f"no simulator is left{self._last}: waiting for one; {backend.mend}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from typing import Any
 
 from evodevo_sim.recording.writer import Recorder
@@ -10,7 +11,7 @@ from evodevo_sim.ros import topics
 from evodevo_sim.tasks import audit
 from tqdm import tqdm
 
-from evodevo_sim import save_genome
+from evodevo_sim import Genome, save_genome
 
 from ..arguments import Options
 from ..auditor import Auditor, Finding
@@ -60,22 +61,26 @@ class Journal:
 
     def _take_up(self) -> None:
         """Record what the recording lacks of what is kept; audit the champions of whom no audit is recorded."""
-        now = time.time_ns()
+        times = dict(self._recorded.statistics)  # of those that are missing just behind the one before, so that they stand in order
+        now = min(times.values(), default=time.time_ns()) - 2 - self._evolution.generation
         for generation in self.history.generations():
             number = generation.generation
-            now = self._recorded.statistics.get(number, now + 1)
+            now = times.setdefault(number, now + 1)
             if number not in self._recorded.statistics:
                 self._recorder.write(topics.STATISTICS.name, statistics_message(generation, 0.0, now * 1e-9), now)
         for number, champion in self.history.champions():
-            now = self._recorded.statistics.get(number, now + 1)
             if number not in self._recorded.champions:
-                self._recorder.write(topics.CHAMPION.name, champion_message(number, champion, now * 1e-9), now)
+                self._recorder.write(topics.CHAMPION.name, champion_message(number, champion, times[number] * 1e-9), times[number])
             if number not in self._recorded.audits:
                 self._audit(number, champion)
         if self._of in self._recorded.audits:
             self.verdict = audit.verdict_of(self._recorded.audits[self._of])
         if self.champion is not None:
             self._save(self._of, self.champion)
+
+    def expect(self, genomes: Sequence[Genome]) -> None:
+        """Prepare to keep a generation, while its genomes are evaluated; in whatever thread."""
+        self._checkpoints.expect(genomes)
 
     def take(self, generation: Generation, rate: float) -> None:
         """Record, keep and publish a generation, and the findings that are there.  Args: rate: evaluations/s."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import threading
 import time
 from collections.abc import Callable
 from typing import Any
@@ -34,7 +35,7 @@ class Run:
 
     def __init__(
         self, options: Options, recorder: Recorder, auditor: Auditor, stop: Callable[[], bool], times: Times, node: Any, executor: Any,
-        began: float, recorded: Recorded,
+        began: float, *, recorded: Recorded,
     ):
         self.options, self.recorder, self.auditor, self.stop, self.times = options, recorder, auditor, stop, times
         self._node, self._executor, self._began = node, executor, began
@@ -79,6 +80,8 @@ class Run:
         o, champion, began = self.options, self.journal.champion, time.monotonic()
         with self.times(BREEDING):
             asked = self.evolution.ask()
+        ahead = threading.Thread(target=self.journal.expect, args=(asked,), name="checkpoint", daemon=True)
+        ahead.start()
         with self.times(EVALUATION):
             best = champion.evaluation.fitness if champion else float("-inf")
             evaluations = evaluator.evaluate(asked, o.task, o.seed, self.stop, best, self.evolution.bars)
@@ -86,6 +89,7 @@ class Run:
             return None
         with self.times(BREEDING):
             generation = self.evolution.tell(list(evaluations))
+        ahead.join()
         rate = len(asked) / (time.monotonic() - began)
         with self.times(RECORDING):
             self.journal.take(generation, rate)

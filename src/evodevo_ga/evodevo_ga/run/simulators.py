@@ -1,4 +1,4 @@
-"""Who evaluates the genomes of a run: the simulator nodes of the graph, or nodes of its own."""
+"""Who evaluates the genomes of a run: the simulator nodes of the graph, or nodes of its own; else see `backends`."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from ..backends.ros import RosBackend, find_simulators
 from ..pool.driver import Pool
 from ..pool.vigil import PoolError
 from ..times import START, Times
+from .backends import other_pool
 
 _DISCOVERY_OF_ALL = 4.0  # s from the node's start to look on where one is found: others' DDS may announce itself every 3 s
 _MORE = 0.5  # s at the least to look, and to wait for another one after each
@@ -30,6 +31,14 @@ def evaluator_of(
     Args: node, executor: of rclpy, whose owner is the caller; times: told how long the start takes; began: s, by the monotonic clock,
         when the node was made.
     """
+    if options.backend != "ros":
+        with times(START):
+            other = other_pool(options, stop)
+        try:
+            yield other
+        finally:
+            other.backend.close()
+        return
     mine = options.simulators is not None or options.threads is not None
     count = options.simulators or 1
     threads = options.threads or (1 if options.simulators else cores())

@@ -17,6 +17,7 @@ in a namespace of its own, so that several can stand side by side:
 
 names in the namespace:
   services  evaluate  evodevo_msgs/srv/Evaluate   a batch of genomes for a task and a seed
+            cancel    evodevo_msgs/srv/Cancel     give up requests for evaluations, by their id or by who asked
             load      evodevo_msgs/srv/Load       grow a genome and let it live at a real-time factor
             pause     std_srvs/srv/SetBool        hold the animat, or let it go on; a loaded one is never held
             reset     std_srvs/srv/Trigger        back to birth, held if it was
@@ -28,7 +29,8 @@ names in the namespace:
 
 parameters, e.g. -p publish_every:=4
   frame_id       world   frame of positions and targets
-  max_batch      1000    genomes in one request, at the most
+  max_batch      1000    genomes in one request, at the most; the other limits stand in docs/reference/limits.md: max_elements, max_cells,
+                         max_steps, max_seconds, max_waiting
   publish_every  1       control steps between cell states
   task           swim    task whose first request does not wait for kernels
   threads        1       requests evaluated at once; 0: one a core

@@ -244,7 +244,7 @@ def _measure_delays(position, cells, development, longest, delay):
 
 
 @kernel
-def grow(network, development, continual, history, activations, graphs):
+def grow(network, development, continual, history, activations, graphs, halt):
     """Grow an embryo from one cell.
 
     Args:
@@ -255,6 +255,7 @@ def grow(network, development, continual, history, activations, graphs):
             when nobody looks.
         graphs: (steps + 1, E, 2) int64 edges of each step, filled up with -1, E enough for both the planar graph and, in
             variant A, all pairs of cells; empty when nobody looks.
+        halt: (1,) int64: where not 0, growth ends at once.
 
     Returns: Embryo.
     """
@@ -281,6 +282,8 @@ def grow(network, development, continual, history, activations, graphs):
     cells, count, moved, steps = 1, 0, True, development.steps
     maternal(table, first_input, position, 1, development.maternal_length)
     for step in range(development.steps):
+        if halt[0]:
+            break
         if history.size:
             history[step, :cells] = position[:cells]
             for i in range(cells):

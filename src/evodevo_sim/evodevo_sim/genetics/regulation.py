@@ -129,18 +129,18 @@ def prune(weights, units, read_outputs, given_inputs, cells):
     inputs that this scene has; cells: for how many a table is made.  Dropping the rest changes no output by one bit.
     """
     targets = units + OUTPUTS
-    needed = np.zeros(targets, np.bool_)
+    needed, open_, count = np.zeros(targets, np.bool_), np.empty(targets, np.int64), 0
     for k in range(OUTPUTS):
-        needed[units + k] = read_outputs[k]
-    grew = True
-    while grew:
-        grew = False
-        for node in range(targets):
-            if needed[node]:
-                for v in range(units):
-                    if not needed[v] and (weights[node, v] != 0.0 or weights[node, units + v] != 0.0):
-                        needed[v] = True
-                        grew = True
+        if read_outputs[k]:
+            needed[units + k], open_[count] = True, units + k
+            count += 1
+    while count:  # each node once, so that a chain of units takes no longer than any other network of its size
+        count -= 1
+        node = open_[count]
+        for v in range(units):
+            if not needed[v] and (weights[node, v] != 0.0 or weights[node, units + v] != 0.0):
+                needed[v], open_[count] = True, v
+                count += 1
     nodes = np.flatnonzero(needed)
     start = np.zeros(nodes.size + 1, np.int64)
     source = np.zeros(nodes.size * (weights.shape[1] + WAYS), np.int64)

@@ -20,15 +20,15 @@ from ..hardware.trial import TrialError, check_task, embody, trial
 from ..live.animat import Animat
 from ..parameters import ParameterError, Task
 from ..ros.barrier import Callbacks, Desk, brief
-from ..ros.node_parameters import fixed, seconds
+from ..ros.node_parameters import fixed
 from ..ros.topics import CHANNELS, COMMAND_STREAM
 from ..tasks.outcome import Evaluation
 from .evaluations import Evaluations
 from .joints import Joints
-from .living import Living
+from .limits import Limits
+from .living import Living, Manner
 
 _DIAGNOSE_EVERY = 1.0  # s
-_MOST_GENOMES = 100  # in a request
 _CODE = "hardware"  # what evaluates is no code
 _LEVEL = {
     Health.FINE: DiagnosticStatus.OK, Health.VENTED: DiagnosticStatus.WARN, Health.STALE: DiagnosticStatus.WARN,
@@ -47,25 +47,22 @@ class Driver(LifecycleNode):
     def __init__(self, stop: Any, port: str, baud: int, calibration: Calibration):
         super().__init__("driver")
         self._stop, self._port, self._baud, self._calibration = stop, port, baud, calibration
-        frame = self.declare_parameter("frame_id", "world", fixed("frame of positions and targets")).value
-        every = self.declare_parameter("publish_every", 1, fixed("control steps between cell states", 1, 100_000)).value
-        oldest = seconds(self, "target_age", 1.0, "s, of the oldest target that counts")
+        manner = Manner.declared(self)
+        limits = Limits.declared(self)
         joints = self.declare_parameter("joints", False, fixed("whether commands and states go as JointState too")).value
         commands, states = (
             self.declare_parameter(f"joint_{what}_topic", f"joint_{what}", fixed(f"of JointState {what}, with joints")).value
             for what in ("commands", "states")
         )
-        if not frame:
-            raise ParameterError("frame_id is empty: give the name of a frame, e.g. world")
-        self._frame, self._every, self._oldest = frame, every, oldest
+        self._frame = manner.frame
         self.hardware: SerialBody | None = None
         self._active = False
         self._barrier = Callbacks(self)
         self._births = Desk("births")
-        self._evaluations = Evaluations(self, self._barrier, 1, _MOST_GENOMES, stop.is_set, self._trial, _CODE)
+        self._evaluations = Evaluations(self, self._barrier, 1, limits, stop.is_set, self._trial, _CODE)
         self._diagnostics = self.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self._channels = self.create_publisher(CHANNELS.type, CHANNELS.name, CHANNELS.quality)
-        self._living = Living(self, self._barrier, self._births, frame, every, oldest, stop.is_set, self._make)
+        self._living = Living(self, self._barrier, self._births, manner, limits, stop.is_set, self._make)
         self._barrier.service(Trigger, "stop", self._emergency)
         self._barrier.service(Trigger, "arm", self._arm)
         self._barrier.subscription(COMMAND_STREAM.type, COMMAND_STREAM.name, self._stream, COMMAND_STREAM.quality)

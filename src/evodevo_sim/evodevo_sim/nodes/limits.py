@@ -14,20 +14,20 @@ from ..parameters import Development, ParameterError, Task
 from ..profiles import MOST_POINTS
 from ..ros.barrier import brief
 from ..ros.messages import task_of_request
+from ..ros.requests import BUSY
 from ..tasks.cost import seconds_of, steps_of
 
 MOST_CELLS = 4096  # that the library knows
-MOST = 10**12  # of steps and seconds: none that counts
+MOST = 10**12  # of steps and seconds: none that counts; `ros.own_simulators.UNLIMITED` has the same
 # name: default, least, most, what it limits
 PARAMETERS = {
     "max_batch": (1000, 1, 10_000, "genomes in one request, at the most"),
     "max_elements": (MAX_ELEMENTS, 8, MAX_ELEMENTS, "elements of a genome, at the most"),
     "max_cells": (1024, 1, MOST_CELLS, "development.max_cells of a task, at the most"),
-    "max_steps": (1_000_000, 1, MOST, "steps of one evaluation, of growth and of all starts and tests, at the most"),
+    "max_steps": (2_000_000, 1, MOST, "steps of one evaluation, of growth and of all starts and tests, at the most"),
     "max_seconds": (3600, 1, MOST, "s of one core that a request may take, as its numbers tell"),
     "max_waiting": (100, 1, 10_000, "requests that wait or are under way, at the most"),
 }
-UNLIMITED = {name: most for name, (_, _, most, _) in PARAMETERS.items()}  # for simulators that answer to who started them alone
 
 
 @dataclass(frozen=True)
@@ -54,15 +54,23 @@ class Limits:
         if not 0 < len(genomes) <= self.max_batch:
             return f"{len(genomes)} genomes in a request: give 1 to {self.max_batch}"
         if waiting >= self.max_waiting:
-            return f"{waiting} requests wait already, as many as max_waiting allows: ask again later, or another simulator"
+            return f"{BUSY}, {waiting}, as many as max_waiting allows: ask again later, or another simulator"
         try:
             task = task_within(message)
         except ParameterError as error:
             return brief(error)
-        return self._refuse_task(task) or self._refuse_genomes(genomes, task)
+        return self._refuse_task(task, steps_of(task)) or self._refuse_genomes(genomes, task, steps_of(task))
 
-    def _refuse_task(self, task: Task) -> str:
-        cells, steps = task.development.max_cells, steps_of(task)
+    def refuse_life(self, genome: Any, message: Any) -> str:
+        """Why a genome is not grown for a life step by step; empty where it is.  How long it would live does not count."""
+        try:
+            task = task_within(message)
+        except ParameterError as error:
+            return brief(error)
+        return self._refuse_task(task, task.development.steps) or self._refuse_genomes([genome], task, task.development.steps)
+
+    def _refuse_task(self, task: Task, steps: int) -> str:
+        cells = task.development.max_cells
         if cells > self.max_cells:
             return f"development.max_cells is {cells}: give up to {self.max_cells}, or start the simulator with -p max_cells:={cells}"
         if steps > self.max_steps:
@@ -72,7 +80,7 @@ class Limits:
             )
         return ""
 
-    def _refuse_genomes(self, genomes: Sequence[Any], task: Task) -> str:
+    def _refuse_genomes(self, genomes: Sequence[Any], task: Task, steps: int) -> str:
         seconds = 0.0
         for place, genome in enumerate(genomes):
             elements = max(len(part) for part in (genome.kind, genome.sign, genome.x, genome.y))
@@ -83,10 +91,10 @@ class Limits:
                     f"genome {place} has {elements} elements: give up to {self.max_elements}, "
                     f"or start the simulator with -p max_elements:={elements}"
                 )
-            seconds += seconds_of(genome.kind, task)
+            seconds += seconds_of(genome.kind, task, steps)
         if seconds > self.max_seconds:
             return (
-                f"{len(genomes)} genomes of up to {task.development.max_cells} cells and {steps_of(task)} steps may take {seconds:.3g} s: "
+                f"{len(genomes)} genomes of up to {task.development.max_cells} cells and {steps} steps may take {seconds:.3g} s: "
                 f"give fewer in a request, or start the simulator with -p max_seconds:={int(np.ceil(seconds))}"
             )
         return ""

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 from std_srvs.srv import SetBool, Trigger
@@ -19,30 +20,54 @@ from ..live.animat import Animat, NotViable, Stage, check_pace
 from ..parameters import ParameterError
 from ..ros.barrier import Callbacks, Desk, brief
 from ..ros.messages import actuation_message, body_message, cell_states_message, genome_from_message, task_of_request
+from ..ros.node_parameters import fixed, seconds
 from ..ros.requests import ENDING
 from ..ros.topics import ACTUATION, BODY, CELL_STATES, TARGET_POSE
 from .drawn import DrawnTopics
+from .limits import Limits
+
+
+@dataclass(frozen=True)
+class Manner:
+    """How a node shows its animat and hears of targets.
+
+    Attributes: frame: of positions and targets; every: control steps between cell states; oldest: s, of the oldest target that counts.
+    """
+
+    frame: str
+    every: int
+    oldest: float
+
+    @classmethod
+    def declared(cls, node: Any) -> Manner:
+        """The parameters of a node of rclpy, set at its start only.  Raises ParameterError."""
+        frame = node.declare_parameter("frame_id", "world", fixed("frame of positions and targets")).value
+        if not frame:
+            raise ParameterError("frame_id is empty: give the name of a frame, e.g. world")
+        every = node.declare_parameter("publish_every", 1, fixed("control steps between cell states", 1, 100_000)).value
+        return cls(frame, every, seconds(node, "target_age", 1.0, "s, of the oldest target that counts"))
 
 
 class Living:
     """The live animat of a node.
 
-    Args: node: it; callbacks: of the node; desk: where births wait; frame: of positions and targets; every: control steps between cell
-    states; oldest: s, of a target that counts; ending: whether the node ends; make: makes the animat of a genome, a task and a seed.
+    Args: node: it; callbacks: of the node; desk: where births wait; manner; limits: of what is asked; ending: whether the node ends;
+    make: makes the animat of a genome, a task and a seed.
     """
 
     def __init__(
-        self, node: Any, callbacks: Callbacks, desk: Desk, frame: str, every: int, oldest: float, ending: Callable[[], bool],
+        self, node: Any, callbacks: Callbacks, desk: Desk, manner: Manner, limits: Limits, ending: Callable[[], bool],
         make: Callable[..., Animat] = Animat,
     ):
-        self._node, self._callbacks, self._frame, self._oldest, self._ending, self._make = node, callbacks, frame, oldest, ending, make
+        self._node, self._callbacks, self._limits, self._ending, self._make = node, callbacks, limits, ending, make
+        self._frame, self._oldest = manner.frame, manner.oldest
         self._newest = 0  # ns, stamp of the last target
         self._body = node.create_publisher(BODY.type, BODY.name, BODY.quality)
         self._states = node.create_publisher(CELL_STATES.type, CELL_STATES.name, CELL_STATES.quality)
         self._actuation = node.create_publisher(ACTUATION.type, ACTUATION.name, ACTUATION.quality)
-        self._drawn = DrawnTopics(node, frame)
+        self._drawn = DrawnTopics(node, manner.frame)
         self._shown: Animat | None = None
-        self.stage = Stage(self._show, self._report, every, self._act)
+        self.stage = Stage(self._show, self._report, manner.every, self._act)
         callbacks.subscription(TARGET_POSE.type, TARGET_POSE.name, self._aim, TARGET_POSE.quality)
         callbacks.service(Load, "load", self._load, desk)
         callbacks.service(SetBool, "pause", self._pause)
@@ -54,6 +79,9 @@ class Living:
     def _load(self, request, response):
         if self._ending():
             response.message = ENDING
+            return response
+        if why := self._limits.refuse_life(request.genome, request.task):
+            response.message = why
             return response
         try:
             check_pace(request.real_time_factor)

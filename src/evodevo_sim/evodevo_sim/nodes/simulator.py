@@ -6,14 +6,15 @@ from typing import Any
 
 from rclpy.node import Node
 
-from ..parameters import ParameterError, default_task
+from ..parameters import default_task
 from ..ros.barrier import Callbacks, Desk
 from ..ros.host import cores
-from ..ros.node_parameters import fixed, seconds
+from ..ros.node_parameters import fixed
 from ..task_kinds import names
 from ..tasks.evaluation import prepare
 from .evaluations import Evaluations
-from .living import Living
+from .limits import Limits
+from .living import Living, Manner
 
 
 class Simulator(Node):
@@ -25,18 +26,14 @@ class Simulator(Node):
 
     def __init__(self, stop: Any):
         super().__init__("simulator")
-        frame = self.declare_parameter("frame_id", "world", fixed("frame of positions and targets")).value
-        if not frame:
-            raise ParameterError("frame_id is empty: give the name of a frame, e.g. world")
-        most = self.declare_parameter("max_batch", 1000, fixed("genomes in one request, at the most", 1, 10_000)).value
+        manner = Manner.declared(self)
+        limits = Limits.declared(self)
         threads = self.declare_parameter("threads", 1, fixed("requests evaluated at once; 0: one a core", 0, 1024)).value
-        every = self.declare_parameter("publish_every", 1, fixed("control steps between cell states", 1, 100_000)).value
         first = self.declare_parameter("task", names()[0], fixed("task whose first request does not wait")).value
-        oldest = seconds(self, "target_age", 1.0, "s, of the oldest target that counts")
         prepare(default_task(first), self.get_logger().info)
         callbacks = Callbacks(self)
-        self._evaluations, self._births = Evaluations(self, callbacks, threads or cores(), most, stop.is_set), Desk("births")
-        self._living = Living(self, callbacks, self._births, frame, every, oldest, stop.is_set)
+        self._evaluations, self._births = Evaluations(self, callbacks, threads or cores(), limits, stop.is_set), Desk("births")
+        self._living = Living(self, callbacks, self._births, manner, limits, stop.is_set)
         self.get_logger().info("ready")
 
     def close(self) -> None:

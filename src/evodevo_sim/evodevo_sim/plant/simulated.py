@@ -31,16 +31,17 @@ class BodyState(NamedTuple):
     scratch: Scratch
     substeps: int  # of RK4 in a control step at rest; 0 where there is no body to move, or it needs more than MOST_SUBSTEPS
     finer: float  # times as many, rounded up, for an audit
+    halt: np.ndarray  # (1,) int64: where not 0, nobody waits for its life any more, which then ends at once, wherever it is
 
 
 @kernel
-def make_body_state(body, material, scene, control_step, finer, moves):
-    """A body where it grew, at rest.  Args: finer: see `BodyState`; moves: whether it has chambers to move with."""
+def make_body_state(body, material, scene, control_step, finer, moves, halt):
+    """A body where it grew, at rest.  Args: finer, halt: see `BodyState`; moves: whether it has chambers to move with."""
     law = make_law(material, scene)
     substeps = choose_substeps(body, law, control_step) if moves else 0
     return BodyState(
         body, law, np.empty(body.rest_length.size), body.position.T.copy(), np.zeros((2, body.position.shape[0])), make_scratch(body),
-        substeps if substeps <= MOST_SUBSTEPS else 0, finer,
+        substeps if substeps <= MOST_SUBSTEPS else 0, finer, halt,
     )
 
 

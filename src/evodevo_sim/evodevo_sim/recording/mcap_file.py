@@ -19,7 +19,7 @@ from .definitions import HOW, RecordingError
 from .stored import Channel, Damage, Stored
 
 # What a missing end, or damage, can set off in the MCAP reader and decompression.
-_DAMAGE = (McapError, ZstdError, struct.error, RuntimeError, ValueError, KeyError, EOFError, MemoryError)
+DAMAGE = (McapError, ZstdError, struct.error, RuntimeError, ValueError, KeyError, EOFError, MemoryError)
 
 
 class McapFile:
@@ -44,7 +44,7 @@ class McapFile:
                     record = next(records)
                 except StopIteration:
                     return
-                except _DAMAGE as error:
+                except DAMAGE as error:
                     if begin == 0 and isinstance(error, InvalidMagic):
                         raise RecordingError(f"{self._path} is not an MCAP file: {HOW}") from None
                     behind = self._next_chunk(begin)
@@ -67,7 +67,7 @@ class McapFile:
             records = breakup_chunk(chunk, validate_crc=True)
         except UnsupportedCompressionError:
             raise RecordingError(f"{self._path}: its chunks are compressed by {chunk.compression}, which cannot be read here") from None
-        except _DAMAGE:
+        except DAMAGE:
             self._damage.holes.append(f"{self._path} from byte {begin} to {end}")
             return
         for record in records:
@@ -111,7 +111,7 @@ class McapFile:
             try:
                 with open(self._path, "rb") as stream:
                     self._summary = make_reader(stream).get_summary()
-            except (*_DAMAGE, OSError):
+            except (*DAMAGE, OSError):
                 pass
         return self._summary
 

@@ -8,12 +8,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import yaml
+from mcap.reader import make_reader
+from mcap.records import Header
+from mcap.stream_reader import StreamReader
 from mcap.writer import CompressionType, Writer
 
 from ..ros.topics import EVENTS, Quality, role_of
 from ..whole_file import written_whole
 from .definitions import RecordingError
-from .mcap_file import McapFile
+from .mcap_file import DAMAGE, McapFile
 from .stored import Channel, Damage
 
 _INFINITE = {"sec": 9223372036, "nsec": 854775807}
@@ -114,13 +117,24 @@ def next_name(directory: Path, files: list[Path]) -> str:
 
 def mended_part(file: Path) -> Part:
     """What is in a file.  One that is damaged, or has no end, is written anew with all that can be read.  Raises RecordingError."""
-    damage, part = Damage(), Part(file.name)
-    messages = [] if file.stat().st_size == 0 else McapFile(file, damage).messages()
-    for one in messages:
+    damage, part, empty = Damage(), Part(file.name), file.stat().st_size == 0
+    for one in () if empty else McapFile(file, damage).messages():
         part.take(one.channel.topic, one.channel.type, one.channel.type_hash, one.log_time)
-    if file.stat().st_size == 0 or damage.cut or damage.holes:
+    if empty or damage.cut or damage.holes or not _is_closed(file, part.count):
         _rewrite(file)
     return part
+
+
+def _is_closed(file: Path, count: int) -> bool:
+    """Whether a file begins with a header, and ends with a summary that tells of as many messages."""
+    try:
+        with open(file, "rb") as stream:
+            begins = isinstance(next(StreamReader(stream).records), Header)
+            stream.seek(0)
+            summary = make_reader(stream, validate_crcs=True).get_summary()
+    except (*DAMAGE, StopIteration):
+        return False
+    return begins and summary is not None and summary.statistics is not None and summary.statistics.message_count == count
 
 
 def _rewrite(file: Path) -> None:

@@ -11,7 +11,7 @@ import queue
 import threading
 import time
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Protocol
 
 from rclpy.executors import ExternalShutdownException
 
@@ -63,6 +63,16 @@ class Desk:
             del work  # a large request is not kept until the next one
 
 
+class Gate(Protocol):
+    """Looks at the requests of a service at a desk, in the executor's thread."""
+
+    def refuse(self, request: Any) -> str:
+        """Why a request is not taken, which is its answer at once; empty where it is."""
+
+    def arrived(self, request: Any) -> None:
+        """It is taken, and waits for its turn."""
+
+
 class _Request:
     """What waits at a desk, in the place of a response."""
 
@@ -91,14 +101,16 @@ class Callbacks:
 
         return self._node.create_subscription(message_type, topic, guarded, quality)
 
-    def service(self, service_type: Any, name: str, answer: Callable, desk: Desk | None = None, once: Once | None = None) -> Any:
+    def service(
+        self, service_type: Any, name: str, answer: Callable, desk: Desk | None = None, once: Once | None = None, gate: Gate | None = None
+    ) -> Any:
         """A service.
 
         Args: answer(request, response) -> response; desk: where it is answered, if not in the executor's thread; once: of a service at
-            a desk, what knows requests that are asked again.
+            a desk, what knows requests that are asked again; gate: likewise, what refuses some before they wait.
         """
 
-        def guarded(request):
+        def guarded(request, answer=answer):
             response = service_type.Response()
             try:
                 return answer(request, response)
@@ -115,9 +127,18 @@ class Callbacks:
             except Exception as error:
                 self.warn(f"answer {name}", f"an answer of {name} was not sent: {told(error)}")
 
+        def looked_at(request, response):
+            why = gate.refuse(request) if gate else ""
+            return failed(response, why) if why else _Request(request)
+
         def later(waiting, header, desk=desk):
+            if not isinstance(waiting, _Request):
+                send(waiting, header)
+                return
             key, new, kept = once.begin(waiting.request, header) if once else (None, True, None)
             if new:
+                if gate:
+                    gate.arrived(waiting.request)
                 desk.put(lambda: work(waiting.request, header, key))
             elif kept is not None:
                 send(kept, header)
@@ -128,7 +149,7 @@ class Callbacks:
                 send(response, asked)
 
         # Executors hand what the callback returns to `send_response`.
-        service = self._node.create_service(service_type, name, lambda request, _: _Request(request) if desk else guarded(request))
+        service = self._node.create_service(service_type, name, lambda request, _: guarded(request, looked_at if desk else answer))
         sends = service.send_response
         service.send_response = later if desk else send
         return service

@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 _RMW = "RMW_IMPLEMENTATION"
+_SECURITY = "ROS_SECURITY_ENABLE"
 _MOST_DOMAIN = 232  # beyond it DDS has no ports
 
 
@@ -85,6 +86,23 @@ def started(name: str, arguments: list[str]) -> Iterator[None]:
     except (rcl.RCLError, rcl.RCLInvalidROSArgsError, rcl.UnknownROSArgsError) as error:
         raise EnvironmentFault(" ".join(str(error).partition(", at ")[0].split())[:250] + " (see --help)") from None
     try:
+        if os.environ.get(_SECURITY, "").lower() == "true":
+            _try_security()
         yield
     finally:
         rclpy.try_shutdown()
+
+
+def _try_security() -> None:
+    """Raises EnvironmentFault where no node can be made with the security that the environment asks for."""
+    import rclpy
+    from rclpy.impl.implementation_singleton import rclpy_implementation as rcl
+
+    try:
+        rclpy.create_node("security", start_parameter_services=False).destroy_node()
+    except rcl.RCLError as error:
+        why = " ".join(str(error).partition(", at ")[0].removeprefix("error creating node: ").split())[:120]
+        raise EnvironmentFault(
+            f"{_SECURITY} is true, and no secured node can be made ({why}): mend the keystore or the enclave, take a Fast DDS that has "
+            "security, or unset it"
+        ) from None

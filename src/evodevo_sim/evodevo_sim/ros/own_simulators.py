@@ -10,6 +10,8 @@ import sys
 import time
 from dataclasses import dataclass, field
 
+# Parameters of simulators that answer to who started them alone: the most that `nodes.limits` has.
+UNLIMITED = ("max_cells:=4096", "max_steps:=1000000000000", "max_seconds:=1000000000000")
 _OFTEN = 12  # ends of one simulator within `_OF_LATE` after which it is not started again
 _OF_LATE = 120.0  # s
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.2, 5.0  # s before it is started again, doubled with each end of late
@@ -74,6 +76,8 @@ class OwnSimulators:
         one.lives += 1
         command = [sys.executable, "-m", "evodevo_sim.commands.simulator", "--ros-args", "-r", f"__ns:={self._namespace(one)}"]
         command += ["-p", f"task:={self._task}", "-p", f"threads:={self._threads}"]
+        for limit in UNLIMITED:  # they answer to us alone, who know what we ask
+            command += ["-p", limit]
         with open(self._log_path or os.devnull, "ab") as log:
             # A session of their own: Ctrl-C reaches us alone, and we end them in good order.
             one.process = subprocess.Popen(

@@ -28,18 +28,19 @@ def steps_of(task: Task) -> int:
     return task.development.steps + lives
 
 
-def seconds_of(kind: Any, task: Task) -> float:
+def seconds_of(kind: Any, task: Task, steps: int | None = None) -> float:
     """Seconds of one core that an evaluation takes at the most, within a factor of three or so of what it can take.
 
     Most take far less: bodies stay smaller, come to rest, or earn no second test.
 
-    Args: kind (E,) uint8: of a genome's elements.
+    Args: kind (E,) uint8: of a genome's elements; steps: by default all.
     """
     units, morphogens = units_and_morphogens(np.asarray(kind, np.uint8))
     cells = task.development.max_cells
     weights = (units + 4.0) * (units + morphogens + 4.0)
     delayed = 0.0 if task.development.variant == "continual_graph" else _DELAYED * morphogens * cells
-    return 1e-9 * steps_of(task) * cells * (_CELL + _SUBSTEP * _substeps(task) + _WEIGHT * weights + delayed)
+    steps = steps_of(task) if steps is None else steps
+    return 1e-9 * steps * cells * (_CELL + _SUBSTEP * _substeps(task) + _WEIGHT * weights + delayed)
 
 
 def _substeps(task: Task) -> float:

@@ -14,6 +14,7 @@ from ..development.body import build_body
 from ..genetics.genome import Genome, random_genome
 from ..kernels.jit import compiling, remove_old_caches
 from ..parameters import Task
+from .halt import raise_if_halted
 from .life import develop
 from .memory import over_limit
 from .outcome import Evaluation, Metrics, Status, failure
@@ -56,12 +57,16 @@ def evaluate(genome: Genome, task: Task = Task(), seed: int = 0, bar: float = -m
         bar: m; a life is stopped as soon as it is certain that its fitness, as it would be without a bar, is below this.  Its evaluation
             then is `outcome.stopped`: of status STOPPED, with a bound of that fitness, below the bar.  All others have the same bits as
             without a bar.  A task whose `run` takes no bar has no bound, nor has a plain distance: they live on.
+
+    Raises Halted where somebody said meanwhile that nobody waits for it: see `halt`.
     """
     too_much = over_limit(genome, task)
     if too_much:
         return invalid(too_much)
     run = task.kind.function("run")
-    return run(genome, task, seed, 1.0, *_NOT_KEPT, **({"bar": bar} if bar > -math.inf and _takes_bar(run) else {}))
+    evaluation = run(genome, task, seed, 1.0, *_NOT_KEPT, **({"bar": bar} if bar > -math.inf and _takes_bar(run) else {}))
+    raise_if_halted()
+    return evaluation
 
 
 @cache

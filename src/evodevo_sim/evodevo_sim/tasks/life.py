@@ -32,6 +32,7 @@ class Model(NamedTuple):
     scene: SceneArguments
     given_inputs: np.ndarray  # (inputs,) bool: which input signals the scene has
     bar: float  # fitness below which a life is worth nothing: it stops where it cannot reach that any more; -inf: it never does
+    halt: np.ndarray  # see `plant.simulated.BodyState`
 
 
 class Life(NamedTuple):
@@ -54,7 +55,7 @@ def develop(genome, model, history, activations, graphs):
     """Grow a genome's embryo.  Returns: (weights, units, Embryo); see `regulation.express` and `growth.grow`."""
     weights, units = express(*genome)
     network = prune(weights, units, np.array([True, True, True, True]), model.given_inputs, model.development.max_cells)
-    return weights, units, grow(network, model.development, model.continual, history, activations, graphs)
+    return weights, units, grow(network, model.development, model.continual, history, activations, graphs, model.halt)
 
 
 @kernel
@@ -74,7 +75,7 @@ def birth(genome, model, finer):
     elif body.triangle_area.size + body.polygon_area.size == 0:
         status = NO_CHAMBER
     brain = make_brain(weights, units, embryo, model.given_inputs, model.continual)
-    state = make_body_state(body, model.material, model.scene, model.task.control_step, finer, status == OK)
+    state = make_body_state(body, model.material, model.scene, model.task.control_step, finer, status == OK, model.halt)
     if status == OK and state.substeps == 0:
         status = UNSTABLE
     if status == OK:

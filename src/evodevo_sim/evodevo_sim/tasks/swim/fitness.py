@@ -13,6 +13,7 @@ from ...genetics.elements import INPUT_NAMES
 from ...genetics.genome import Genome
 from ...parameters import Task
 from ...plant.simulated import SwimmingBody
+from ..halt import flag
 from ..life import Model, birth
 from ..outcome import FAILURE, STIFF, Evaluation, Metrics, Status, by_body, failure, stopped
 from .kernel import swim
@@ -27,7 +28,7 @@ def kernel_arguments(genome: Genome, task: Task, bar: float = -math.inf) -> tupl
     """(genome, Model) as kernels take them.  Args: bar: see `Model`."""
     model = Model(
         task.arguments(), task.development.arguments(), task.development.variant == "continual_graph", task.material.arguments(),
-        task.scene.arguments(), given_inputs(task), float(bar),
+        task.scene.arguments(), given_inputs(task), float(bar), flag(),
     )
     return genome.arrays(), model
 

@@ -59,6 +59,8 @@ def locomote(life, step, until, rules, kept):
     brain, state = life.brain, life.state
     find_drag_rate(state.body, state.law, state.position, state.velocity, state.scratch)
     while step < until:
+        if state.halt[0]:
+            return OK, until
         if kept.track.size:
             keep(life, kept.track[step], kept.activations[step])
         brain_step(brain, state.position, rules, step)

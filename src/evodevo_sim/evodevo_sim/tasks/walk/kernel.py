@@ -147,6 +147,8 @@ def come_to_rest(grounded, task):
     position, velocity, quiet = grounded.state.position, grounded.state.velocity, 0
     slower = max(0.0, 1.0 - task.settling_drag * task.control_step)
     for step in range(task.settling_limit):
+        if grounded.state.halt[0]:
+            break
         outcome = move(grounded, task.control_step)
         if outcome != SOUND:
             return end_of(outcome), step
@@ -169,6 +171,8 @@ def locomote(walker, step, until, rules, kept):
     body, position, velocity = state.body, state.position, state.velocity
     gravity, half = grounded.system.gravity, 0.5 * rules.control_step / grounded.steps
     while step < until:
+        if state.halt[0]:
+            return OK, until
         if kept.track.size:
             keep(life, kept.track[step], kept.activations[step])
         # Muscles do their work at once, half a step ago: the velocities are those of then.
