@@ -13,13 +13,16 @@ from ..tasks.halt import Halt, halting
 
 LOOK_EVERY = 0.25  # s, at who is there, while anything is open
 _GONE_AFTER = 0.4  # s, for which a client must be missing
+_NEWS = 10.0  # s within which the news of a client comes, whose request may be faster
 
 
 @dataclass(eq=False)
 class _Open:
-    """A request.  seen: whether its client was on the graph since it asked; missing: s, since when it is not, or None."""
+    """A request.  since: s, when it came; seen: whether its client was on the graph since then; missing: s, since when it is not, or
+    None."""
 
     request: Any
+    since: float
     halt: Halt = field(default_factory=Halt)
     seen: bool = False
     missing: float | None = None
@@ -39,16 +42,16 @@ class OpenRequests:
     def __len__(self) -> int:
         return len(self._open)
 
-    def arrived(self, request: Any) -> None:
-        """It waits now."""
+    def arrived(self, request: Any, now: float | None = None) -> None:
+        """It waits now.  Args: now: see `look`."""
         with self._lock:
-            self._open[id(request)] = _Open(request)
+            self._open[id(request)] = _Open(request, time.monotonic() if now is None else now)
 
     @contextmanager
     def in_work(self, request: Any) -> Iterator[None]:
         """Evaluate it in this context.  Raises Halted where it was given up, then or before."""
         with self._lock:
-            one = self._open.setdefault(id(request), _Open(request))
+            one = self._open.setdefault(id(request), _Open(request, time.monotonic()))
         try:
             with halting(one.halt):
                 yield
@@ -70,7 +73,7 @@ class OpenRequests:
     def look(self, now: float | None = None) -> int:
         """Give up what nobody waits for any more.  Returns: how many.  Args: now: s, by the monotonic clock.
 
-        A client that has not been seen yet counts as there: its request came faster than the news of it.
+        A client that has not been seen yet counts as there for a while: its request came faster than the news of it.
         """
         now = time.monotonic() if now is None else now
         with self._lock:
@@ -81,7 +84,7 @@ class OpenRequests:
         for one in there:
             if one.request.client in present:
                 one.seen, one.missing = True, None
-            elif one.seen:
+            elif one.seen or now - one.since > _NEWS:
                 one.missing = now if one.missing is None else one.missing
                 if now - one.missing >= _GONE_AFTER and not one.halt:
                     one.halt()
