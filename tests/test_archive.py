@@ -22,7 +22,7 @@ from evodevo_ga import Evolution, Settings, scheme
 from evodevo_sim import Evaluation, ParameterError, Status, load_champion, perform, random_genome
 
 SMALL = {"development.max_cells": 9, "control_steps": 80, "windows": 2, "starts": 1}
-NUMBERS = {"population": 12, "founders": 60, "generations": 4}
+NUMBERS = {"population": 12, "founders": 60, "generations": 3}
 
 
 def task_of(name="swim"):
@@ -46,7 +46,7 @@ def run_on(evolution, task, generations=None, stopped=True, workers=1):
 def test_an_archive_keeps_unlike_bodies_for_every_task_and_goes_on_to_the_same_bits(name):
     task, start = task_of(name), [random_genome(np.random.default_rng(k)) for k in (1, 2)]
     one, two = evolution_of(name, start=start), evolution_of(name, start=start)
-    run_on(two, task, 2)
+    run_on(two, task, 1)
     resumed = Evolution.resumed(json.loads(json.dumps(two.state(), allow_nan=False)), task)
     assert resumed.state() == two.state()
     state = run_on(one, task)
@@ -54,7 +54,7 @@ def test_an_archive_keeps_unlike_bodies_for_every_task_and_goes_on_to_the_same_b
     search = one.search
     kinds = [search.kind(grow(elite.genome, task)) for elite in one.population]
     assert len(set(kinds)) == len(kinds) > 3 and None not in kinds
-    assert one.growths >= 60 and one.evaluations + one.growths / 8 > 12 * 3
+    assert one.growths >= 60 and one.evaluations + one.growths / 8 > 12 * 2
 
 
 def test_lives_that_stop_below_the_bar_and_threads_change_nothing():
@@ -96,7 +96,7 @@ def test_of_a_kind_the_fittest_stays_and_of_equals_the_first_in_the_order_of_ask
 
 
 @given(st.integers(0, 2**32))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=8, deadline=None)
 def test_genomes_in_two_parts_vary_one_of_them_and_keep_the_other(seed):
     rng, task = np.random.default_rng(seed), task_of()
     genome, other = (random_parted(rng, 44, 1.0, 9.0) for _ in "12")
@@ -126,10 +126,10 @@ def test_what_an_emitter_promises(name, whole):
     nursery = Nursery(task)
     genomes = [load_champion(name) for name in ("undulator", "peristalsis")] if whole else alive(rng, 4)
     elites = [individual(genome, float(k), k) for k, genome in enumerate(genomes)]
-    drafts = [EMITTERS[name](elites, evolution_of().settings, nursery, np.random.default_rng(k)) for k in range(12)]
+    drafts = [EMITTERS[name](elites, evolution_of().settings, nursery, np.random.default_rng(k)) for k in range(8)]
     assert all(1 <= draft.growths <= 9 for draft in drafts)
     children = [draft.child for draft in drafts if draft.child is not None]
-    assert len(children) > 3 and all(isinstance(child, Child) and child.parents for child in children)
+    assert len(children) > 1 and all(isinstance(child, Child) and child.parents for child in children)
     if name == "keep":
         assert all(same_shape(grow(one.genome, task).position, grow(genomes[one.parents[0]], task).position) for one in children)
     if name == "graft":
