@@ -1,21 +1,25 @@
 # What can stand after `ros2 run evodevo_ga`; made by scripts/completion.py.
 _evodevo_words_evodevo_ga() {
     case "$1 $2" in
-        " ") echo "descent evolve report status" ;;
+        " ") echo "descent evolve gallery report status" ;;
         "descent ") echo "--help --number --out -o" ;;
         "descent -") echo "<files>" ;;
         "descent --number") echo "<any>" ;;
         "descent --out") echo "<files>" ;;
         "descent -o") echo "<files>" ;;
-        "evolve ") echo "--age-gap --cells --crossover --deletion --duplication --elite --evaluations --extent --flip --founders --generations --give-up-after --help --hours --layers --look --niches --out --patience --point-decades --point-mutation --point-scale --population --preset --quiet --resume --run-length --scent-extent --scent-mutation --scheme --seed --set --simulators --start --start-share --starts --task --threads --tournament --units --view --world" ;;
+        "evolve ") echo "--age-gap --apart --backend --cells --crossover --deletion --duplication --elite --elongations --evaluations --extent --fillings --flip --founders --generations --give-up-after --help --hours --layers --look --niches --out --patience --point-decades --point-mutation --point-scale --population --preset --quiet --redraws --resume --run-length --scent-extent --scent-mutation --scheduler --scheme --seed --set --simulators --start --start-share --starts --task --threads --tournament --units --view --world" ;;
         "evolve --age-gap") echo "<any>" ;;
+        "evolve --apart") echo "<any>" ;;
+        "evolve --backend") echo "<any>" ;;
         "evolve --cells") echo "<any>" ;;
         "evolve --crossover") echo "<any>" ;;
         "evolve --deletion") echo "<any>" ;;
         "evolve --duplication") echo "<any>" ;;
         "evolve --elite") echo "<any>" ;;
+        "evolve --elongations") echo "<any>" ;;
         "evolve --evaluations") echo "<any>" ;;
         "evolve --extent") echo "<any>" ;;
+        "evolve --fillings") echo "<any>" ;;
         "evolve --flip") echo "<any>" ;;
         "evolve --founders") echo "<any>" ;;
         "evolve --generations") echo "<any>" ;;
@@ -31,10 +35,12 @@ _evodevo_words_evodevo_ga() {
         "evolve --point-scale") echo "<any>" ;;
         "evolve --population") echo "<any>" ;;
         "evolve --preset") echo "low_drag high_drag" ;;
+        "evolve --redraws") echo "<any>" ;;
         "evolve --resume") echo "<files>" ;;
         "evolve --run-length") echo "<any>" ;;
         "evolve --scent-extent") echo "<any>" ;;
         "evolve --scent-mutation") echo "<any>" ;;
+        "evolve --scheduler") echo "<any>" ;;
         "evolve --scheme") echo "<any>" ;;
         "evolve --seed") echo "<any>" ;;
         "evolve --set") echo "<any>" ;;
@@ -48,6 +54,11 @@ _evodevo_words_evodevo_ga() {
         "evolve --units") echo "<any>" ;;
         "evolve --view") echo "<files>" ;;
         "evolve --world") echo "flat slope steps rough obstacles gap <files>" ;;
+        "gallery ") echo "--help --no-audit --out --save -o" ;;
+        "gallery -") echo "<files>" ;;
+        "gallery --out") echo "<files>" ;;
+        "gallery --save") echo "<files>" ;;
+        "gallery -o") echo "<files>" ;;
         "report ") echo "--help --out --palette -o" ;;
         "report -") echo "<files>" ;;
         "report --out") echo "<files>" ;;

@@ -1,7 +1,7 @@
 # What can stand after `ros2 run evodevo_sim`; made by scripts/completion.py.
 _evodevo_words_evodevo_sim() {
     case "$1 $2" in
-        " ") echo "audit chase figure film gait info replay request simulate simulator turning" ;;
+        " ") echo "audit chase conform driver emulate figure film gait info replay request simulate simulator turning" ;;
         "audit ") echo "--help --set --task --within" ;;
         "audit -") echo "<files>" ;;
         "audit --set") echo "<any>" ;;
@@ -21,6 +21,22 @@ _evodevo_words_evodevo_sim() {
         "chase --set") echo "<any>" ;;
         "chase --simulator") echo "<any>" ;;
         "chase --targets") echo "<files>" ;;
+        "conform ") echo "--genome --help --json --list --only --patience" ;;
+        "conform -") echo "<any>" ;;
+        "conform --genome") echo "<files>" ;;
+        "conform --json") echo "<files>" ;;
+        "conform --only") echo "<any>" ;;
+        "conform --patience") echo "<any>" ;;
+        "driver ") echo "--baud --calibration --help --managed --port" ;;
+        "driver --baud") echo "<any>" ;;
+        "driver --calibration") echo "<files>" ;;
+        "driver --port") echo "<any>" ;;
+        "emulate ") echo "--calibration --help --link --rig --set" ;;
+        "emulate -") echo "<files>" ;;
+        "emulate --calibration") echo "<files>" ;;
+        "emulate --link") echo "<files>" ;;
+        "emulate --rig") echo "<files>" ;;
+        "emulate --set") echo "<any>" ;;
         "figure ") echo "--help --out --palette --set --task --width -o" ;;
         "figure -") echo "growth gait traces turning fitness work-precision" ;;
         "figure --out") echo "<files>" ;;
