@@ -21,7 +21,10 @@ class Death(Exception):
 
 def honest(request, response):
     task = task_from_message(request.task)
-    response.evaluations = [evaluation_message(evaluate(genome_from_message(g), task, request.seed)) for g in request.genomes]
+    bars = request.bars or [-math.inf] * len(request.genomes)
+    response.evaluations = [
+        evaluation_message(evaluate(genome_from_message(g), task, request.seed, bar)) for g, bar in zip(request.genomes, bars)
+    ]
     return response
 
 
@@ -98,6 +101,7 @@ FAULTS = {
     "flatters later": _later(changed(fitness=1e6, status=0, cause="")),
     "another metric": changed(**{"metrics.distance": 123.0}),
     "another request": _of_another_request,
+    "stops without a bar": changed(status=9, cause="", fitness=0.1),
     "all are invalid": _invalid,
     "all are invalid later": _invalid_later,
 }

@@ -161,7 +161,7 @@ def seeker(path, left, right, actives=(1.0, 1.0), angle=ANGLE):
     """Trials of made-up paths, which begin at 0 and head along x."""
     targets = np.array([(DISTANCE * np.cos(a), DISTANCE * np.sin(a)) for a in (angle, -angle)])
     return Trials(
-        0, -1, path, 0.3, 1.0, 2, 12, 20, 9, True, (1.0, 0.0), targets, np.array([left, right]), np.array(actives), 2
+        0, -1, path, 0.3, 1.0, 2, 12, 20, 9, True, (1.0, 0.0), targets, np.array([left, right]), np.array(actives), 2, np.inf
     )
 
 
@@ -251,7 +251,8 @@ def test_pairs_spread_about_the_one_and_each_pays_by_its_worse_side():
 
     def paid(*ends):
         paths = np.array([np.linspace(0.0, 1.0, LENGTH + 1)[:, None] * np.asarray(end) for end in ends])
-        return score(Trials(0, -1, line(20.0), 0.3, 1.0, 2, 12, 20, 9, True, (1.0, 0.0), targets, paths, np.ones(4), 4), task).fitness
+        straight = 0, -1, line(20.0), 0.3, 1.0, 2, 12, 20, 9
+        return score(Trials(*straight, True, (1.0, 0.0), targets, paths, np.ones(4), 4, np.inf), task).fitness
 
     all_four, three = paid(*targets), paid(*targets[:3], np.array([20.0, 0.0]))
     blind = REACH + 2 * TASK.activity_bonus

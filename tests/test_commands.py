@@ -30,7 +30,7 @@ ROOT = Path(__file__).resolve().parent.parent
 CHAMPIONS, BAGS = ROOT / "ros_ws/src/evodevo_sim/champions", ROOT / "bags"
 PACKAGES = ("evodevo_sim", "evodevo_ga")
 COMMANDS = {path.name: path for package in PACKAGES for path in Path(get_package_prefix(package), "lib", package).iterdir()}
-NODES = {"simulator", "chase", "evolve"}  # they need the ROS graph
+NODES = {"simulator", "chase", "evolve", "status"}  # they need the ROS graph
 BODY = "position: [[0, 0], [1, 0], [0.5, 0.8]]\nactivation: {amplitude: 0.3, frequency: 1.0, phase: [0, 1, 2]}\n"
 # What keeps a command busy for some seconds; {} is a directory of its own.
 BUSY = {

@@ -19,9 +19,9 @@ def test_bits_are_those_that_were_kept(case):
     assert bits(evaluate(genome, task, seed)) == KEPT[name]
 
 
-def test_every_kind_of_end_and_size_is_among_them():
+def test_every_kind_of_end_and_size_is_among_them_but_for_lives_that_a_bar_stops():
     ends = {row[2] for row in KEPT.values()} | {invalid("no genome").status.name}
-    assert ends == {status.name for status in Status}
+    assert ends == {status.name for status in Status if status != Status.STOPPED}
     assert set(KEPT) == {case[0] for case in cases()} and len(KEPT) >= 30
     sizes = {row[3] for row in KEPT.values()}
     assert {8, 16, 32, 64} <= sizes

@@ -41,8 +41,8 @@ def lab():
         assert process.poll() is None  # it outlived every request of this file
 
 
-def ask(lab, genomes, task=TASK, seed=1):
-    return lab.call(Evaluate, f"{NAMESPACE}/evaluate", task=task_message(task), seed=seed, genomes=genomes)
+def ask(lab, genomes, task=TASK, seed=1, bars=()):
+    return lab.call(Evaluate, f"{NAMESPACE}/evaluate", task=task_message(task), seed=seed, genomes=genomes, bars=bars)
 
 
 def load(lab, genome, task=TASK, factor=0.0):
@@ -140,6 +140,17 @@ def test_what_the_request_command_prints_is_taken(lab, tmp_path, capsys):
 def test_a_batch_of_an_impossible_size_is_refused(lab, count):
     response = ask(lab, [Genome()] * count)
     assert response.error == f"{count} genomes in a request: give 1 to 1000" and not response.evaluations
+
+
+def test_bars_stop_lives_and_bad_ones_are_refused(lab):
+    genomes, task = [genome_message(beating())] * 3, with_settings(Task(), {"control_steps": 200})
+    whole = evaluate(beating(), task)
+    answer = ask(lab, genomes, task, 0, [-math.inf, whole.fitness, 1e9])
+    found = [evaluation_from_message(one) for one in answer.evaluations]
+    assert found == [whole, whole, evaluate(beating(), task, 0, 1e9)] and found[2].status == Status.STOPPED
+    for bars, fault in (([1.0], "1 bars for 3 genomes"), ([0.0, math.nan, 0.0], "bars[1] is not a number")):
+        refused = ask(lab, genomes, bars=bars)
+        assert refused.error.startswith(fault) and not refused.evaluations
 
 
 def test_a_malformed_genome_fails_alone(lab):

@@ -16,9 +16,10 @@ from evodevo_ga.backends.ros import RosBackend
 from evodevo_ga.evolution import Individual
 from evodevo_ga.in_process import evaluate_all
 from evodevo_ga.operators import crossover, duplicate
-from evodevo_ga.pool.driver import CONDEMNED, Pool, PoolError
+from evodevo_ga.pool.driver import CONDEMNED, Pool
 from evodevo_ga.pool.quarantine import DIRECTORY
 from evodevo_ga.pool.trial import judged
+from evodevo_ga.pool.vigil import PoolError
 from evodevo_sim.genetics.elements import REGULATORY, TRANSCRIPTION_FACTOR
 from evodevo_sim.genetics.limits import MAX_ELEMENTS
 from evodevo_sim.live.animat import Animat, NotViable
@@ -29,7 +30,7 @@ from genomes import beating
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lab import DEADLINE, Operator
-from rogues import FAULTS, Death, service
+from rogues import FAULTS, Death, changed, service
 
 from evodevo_ga import Evolution, Settings
 from evodevo_sim import Genome, GenomeError, Status, Task, evaluate, load_genome, random_genome
@@ -86,6 +87,25 @@ def test_alone_it_ends_the_run_in_one_line(pool_of, genomes, name):
     with pytest.raises(PoolError, match="no simulator is left") as error:
         pool.evaluate(genomes, TASK, SEED)
     assert len(str(error.value)) <= 300 and "\n" not in str(error.value)
+
+
+def test_bars_go_to_the_nodes_and_their_answers_are_proved_with_the_same_bars(pool_of, genomes, right):
+    bars = [one.fitness + (0.5 if k % 2 else -0.5) for k, one in enumerate(right)]
+    wanted = evaluate_all(genomes, TASK, SEED, 2, bars)
+    stopped = [one.status == Status.STOPPED for one in wanted]
+    assert 0 < sum(stopped) < len(right)
+    pool, lines = pool_of(None, changed(status=9, cause="", fitness=1e6))  # not below any bar
+    assert pool.evaluate(genomes, TASK, SEED, bars=bars) == wanted
+    assert len(pool) == 1 and "stopped a life" in lines[0]
+    bars = [1e5] * len(genomes)
+    assert pool.evaluate(genomes, TASK, SEED, best=-10.0, bars=bars) == evaluate_all(genomes, TASK, SEED, 1, bars)
+    assert len(pool) == 1
+
+
+@pytest.mark.parametrize("bars", [[1.0], [1.0] * 25])
+def test_bars_in_this_process_are_none_or_one_for_each_genome(genomes, bars):
+    with pytest.raises(ValueError, match="bars for 24 genomes"):
+        evaluate_all(genomes, TASK, SEED, 1, bars)
 
 
 def mortal(length):

@@ -5,11 +5,12 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Sequence
+from itertools import repeat
 
 from evodevo_sim.inputs import one_line, shown
 from evodevo_sim.tasks.outcome import FAILURE, Metrics, Steering
 
-from evodevo_sim import Evaluation
+from evodevo_sim import Evaluation, Status
 
 from .backends.contract import AnswerError
 
@@ -17,14 +18,14 @@ _NUMBERS = [field.name for field in dataclasses.fields(Metrics) if field.name !=
 _STEERING = [field.name for field in dataclasses.fields(Steering)]
 
 
-def looked_at(evaluations: Sequence[Evaluation], count: int) -> list[Evaluation]:
-    """The evaluations of an answer to `count` genomes, causes of any length made brief.  Raises AnswerError."""
+def looked_at(evaluations: Sequence[Evaluation], count: int, bars: Sequence[float] = ()) -> list[Evaluation]:
+    """The evaluations of an answer to `count` genomes with these bars, or none; causes of any length made brief.  Raises AnswerError."""
     if len(evaluations) != count:
         raise AnswerError(f"it answers {len(evaluations)} evaluations for {count} genomes")
-    return [_sound(evaluation) for evaluation in evaluations]
+    return [_sound(evaluation, bar) for evaluation, bar in zip(evaluations, bars or repeat(-math.inf))]
 
 
-def _sound(evaluation: Evaluation) -> Evaluation:
+def _sound(evaluation: Evaluation, bar: float) -> Evaluation:
     if not isinstance(evaluation, Evaluation):
         raise AnswerError(f"it answers {shown(evaluation)} for an evaluation")
     fitness, status, cause, metrics = evaluation.fitness, evaluation.status, evaluation.cause, evaluation.metrics
@@ -39,6 +40,9 @@ def _sound(evaluation: Evaluation) -> Evaluation:
         raise AnswerError(
             f"it answers a fitness of {fitness:g} {'with' if cause else 'without'} a cause of failure for the status {status.name}"
         )
+    if status == Status.STOPPED and not fitness < bar:
+        what = "without a bar" if bar == -math.inf else f"with a fitness of {fitness:.6g}, not below the bar of {bar:.6g}"
+        raise AnswerError(f"it answers that it stopped a life {what}")
     return evaluation if len(cause) <= 300 else dataclasses.replace(evaluation, cause=one_line(cause))
 
 

@@ -56,7 +56,8 @@ class Evolution:
     above 1 in `settings` part it.
 
     Attributes: population (best first), champion, generation (of the population), evaluations, children (of the last generation,
-    whether they stayed or not), bred (children so far), search.
+    whether they stayed or not), bred (children so far), search, bars (none, or for each genome asked the fitness that it must reach to
+    be of any use, see `evaluate`).
     """
 
     def __init__(self, settings: Settings = Settings(), seed: int = 0, start: Sequence[Genome] = (), scheme: str = "panmictic"):
@@ -73,6 +74,7 @@ class Evolution:
         self.evaluations = 0
         self.stagnation = 0
         self.bred = 0
+        self.bars: tuple[float, ...] = ()
         self._children: list[Child] = []
         self._asked: list[Genome] = []
 
@@ -112,6 +114,8 @@ class Evolution:
             for k, one in enumerate(self._children)
         ]
         settled = _some(self.search.survive(self.population, children, self.generation + 1), "settled", self.scheme)
+        if any(one.evaluation.status == Status.STOPPED for one in settled):
+            raise ValueError(f"the search of scheme {self.scheme!r} has settled one whose life was stopped: its fitness is a bound alone")
         self.population = sorted(settled, key=lambda one: -one.evaluation.fitness)
         self.children = children
         self.generation += 1

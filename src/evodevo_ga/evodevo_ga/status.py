@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from evodevo_sim.ros.command_line import Parser, real_number
@@ -70,7 +71,7 @@ def listened(look: float) -> dict[str, Any]:
                 asked.add(topic)
                 last = now
                 name = namespace_of(topic, WORKER) or "/"
-                node.create_subscription(WORKER.type, topic, lambda told, name=name: found.__setitem__(name, told), WORKER.quality)
+                node.create_subscription(WORKER.type, topic, partial(found.__setitem__, name), WORKER.quality)
         executor.spin_once(timeout_sec=0.1)
     node.destroy_node()
     return found

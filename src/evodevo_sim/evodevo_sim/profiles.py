@@ -7,7 +7,7 @@ from __future__ import annotations
 
 CELL = 1.0  # m, diameter
 _LEAST_RUN = 1e-3  # m, from one point to the next
-_MOST_POINTS = 100_000
+MOST_POINTS = 100_000
 
 
 def fault(ground_x, ground_y, ceiling_x, ceiling_y) -> str:
@@ -19,8 +19,8 @@ def fault(ground_x, ground_y, ceiling_x, ceiling_y) -> str:
     for name, x, y in (("ground", ground_x, ground_y), ("ceiling", ceiling_x, ceiling_y)):
         if len(x) != len(y):
             return f"{name} has {len(x)} x and {len(y)} y: give as many of both"
-        if len(x) == 1 or len(x) > _MOST_POINTS:
-            return f"{name} has {len(x)} points: give none, or 2 to {_MOST_POINTS}"
+        if len(x) == 1 or len(x) > MOST_POINTS:
+            return f"{name} has {len(x)} points: give none, or 2 to {MOST_POINTS}"
         wrong = np.flatnonzero(~(np.abs(np.array([x, y], float)) <= 1e6).all(0)) if len(x) else ()
         if len(wrong):
             return f"{name}[{wrong[0]}] is ({x[wrong[0]]!r}, {y[wrong[0]]!r}): give metres from -1e6 to 1e6"

@@ -105,7 +105,9 @@ class RosBackend(Backend):
             return future
         with self._times(MESSAGES):
             genomes = [genome_message(genome) for genome in batch.genomes]
-            return one.submit(Evaluate.Request(task=self._message_of(batch.task), seed=batch.seed, genomes=genomes))
+            return one.submit(
+                Evaluate.Request(task=self._message_of(batch.task), seed=batch.seed, genomes=genomes, bars=list(batch.bars))
+            )
 
     def _message_of(self, task: Task) -> Any:
         """Of one task after the other, made once."""

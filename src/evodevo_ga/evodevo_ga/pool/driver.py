@@ -19,25 +19,21 @@ from pathlib import Path
 from evodevo_sim.inputs import one_line
 from evodevo_sim.tasks.evaluation import invalid
 
-from evodevo_sim import Evaluation, Genome, Task, evaluate
+from evodevo_sim import Evaluation, Genome, Task
 
-from ..answers import alike, looked_at
 from ..backends.contract import AnswerError, Backend, BackendError, NotEvaluated, WorkerLost
 from .pace import Pace
-from .quarantine import DIRECTORY, set_apart
+from .proof import best_of, prove, whole
+from .quarantine import set_apart
 from .trial import Judge, Trials, judged
+from .vigil import PoolError, Vigil, raise_if_hopeless
 from .work import Asked, Work
 
 _LOOK_EVERY = 0.1  # s
 _GAP = 2.0  # s between two looks, after which it was us who stood still
 _MOST_ENDED = 2  # workers that a genome may end or hang before it is judged
-_MOMENT = 3.0  # s without a worker that are not worth a line
 _REST = 0.2  # s until a worker gets anything that gave something back
 CONDEMNED = "two simulators ended or hung while they evaluated it"
-
-
-class PoolError(RuntimeError):
-    """Nobody can evaluate any more; the message says why and what to do."""
 
 
 class Pool:
@@ -53,7 +49,7 @@ class Pool:
         give_up_after: float = math.inf, judge: Judge | None = judged, pace: Pace | None = None,
     ):
         self.backend = backend
-        self._say, self._quarantine, self._give_up_after, self._judge = say, quarantine, give_up_after, judge
+        self._say, self._quarantine, self._judge = say, quarantine, judge
         self._pace = pace or Pace()
         self._open: list[Asked] = []
         self._threads: dict[str, int] = {}  # of workers when they were last there
@@ -62,9 +58,7 @@ class Pool:
         self._rests: dict[str, float] = {}  # s, until when
         self._trials = Trials(judge)
         self._looked = time.monotonic()
-        self._nobody_since: float | None = None
-        self._told_nobody = False
-        self._last_end = ""
+        self._vigil = Vigil(say, give_up_after)
 
     def __len__(self) -> int:
         """Workers that can be given work."""
@@ -91,7 +85,7 @@ class Pool:
         """Wait until there is a worker, or `stop()`.  Returns: whether there is one.  Raises PoolError where none will ever come."""
         deadline = time.monotonic() + seconds
         while not (stop() or self._workers() or time.monotonic() > deadline):
-            self._raise_if_hopeless()
+            raise_if_hopeless(self.backend)
             self.backend.wait([], _LOOK_EVERY)
         return bool(self._workers())
 
@@ -106,7 +100,7 @@ class Pool:
             workers = self._workers()
             self._look_at_the_silent(work, workers)
             self._give(work, workers)
-            self._mind_that_nobody_is_there(workers)
+            self._vigil.keep(workers, self.backend)
             self.backend.wait([one.future for one in self._open], _LOOK_EVERY)
             for one in [one for one in self._open if one.future.done()]:
                 if one in self._open:  # or else its worker was lost with another one
@@ -201,25 +195,6 @@ class Pool:
             self._go_on_without(one.worker, "it does not answer")
             self._give_back_all(one.worker, work)
 
-    def _mind_that_nobody_is_there(self, workers: Mapping[str, int]) -> None:
-        now = time.monotonic()
-        if workers:
-            if self._told_nobody:
-                self._say(f"going on with simulator {next(iter(workers))}")
-            self._nobody_since, self._told_nobody = None, False
-            return
-        self._raise_if_hopeless()
-        since = self._nobody_since = now if self._nobody_since is None else self._nobody_since
-        if now - since >= self._give_up_after:
-            raise PoolError(f"no simulator is left{self._last_end}: run again with --simulators 2 to start two")
-        if now - since >= _MOMENT and not self._told_nobody:
-            self._told_nobody = True
-            self._say(f"no simulator is left{self._last_end}: waiting for one; start it by ros2 run evodevo_sim simulator")
-
-    def _raise_if_hopeless(self) -> None:
-        if why := self.backend.hopeless():
-            raise PoolError(why)
-
     # --- taking -----------------------------------------------------------------------------------------------------------
 
     def _take(self, one: Asked, work: Work) -> None:
@@ -246,9 +221,9 @@ class Pool:
         try:
             evaluations = answer.evaluations
             if not self.backend.trusted:
-                evaluations = _whole(evaluations, len(genomes))
+                evaluations = whole(evaluations, work, one.places)
                 if one.worker not in self._answered:
-                    self._prove(one.places[0], evaluations[0], work)
+                    prove(one.places[0], evaluations[0], work)
         except AnswerError as error:
             work.give_back(one.places)
             self._reject(one.worker, str(error), work)
@@ -259,23 +234,14 @@ class Pool:
             if doubter not in self._rejected:
                 self._reject(doubter, f"it calls a genome invalid that {one.worker} evaluates", work)
 
-    def _prove(self, place: int, evaluation: Evaluation, work: Work) -> None:
-        """Raises AnswerError where our own evaluation of a genome is another one."""
-        own = evaluate(work.genomes[place], work.task, work.seed)
-        if not alike(own, evaluation):
-            raise AnswerError(f"it gives a genome a fitness of {evaluation.fitness:.6g} that has {own.fitness:.6g} by our own evaluation")
-
     def _best_is_right(self, work: Work, best: float) -> bool:
         """Whether the best of a generation, if it is better than `best`, is so by our own evaluation too; else who gave it is sent away."""
-        found = [(one.fitness, -place, one) for place, one in enumerate(work.results) if one is not None]
-        if not found or self.backend.trusted:
+        found = None if self.backend.trusted else best_of(work)
+        if found is None or not found[1].fitness > best or found[0] not in work.by:
             return True
-        fitness, place, evaluation = max(found, key=lambda of: of[:2])  # of equals the first one
-        place = -place
-        if not fitness > best or place not in work.by:
-            return True
+        place, evaluation = found
         try:
-            self._prove(place, evaluation, work)
+            prove(place, evaluation, work)
         except AnswerError as error:
             self._reject(work.by[place], str(error), work)
             return False
@@ -323,24 +289,17 @@ class Pool:
                 work.set(place, verdict)
             else:
                 work.set(place, invalid(CONDEMNED))
-                self._tell_of(work, place, verdict)
-
-    def _tell_of(self, work: Work, place: int, verdict: str) -> None:
-        genome, where = work.genomes[place], ""
-        if self._quarantine is not None:
-            try:
-                where = f"; it is in {set_apart(self._quarantine / DIRECTORY, genome, work.task, work.seed, f'{CONDEMNED}; {verdict}')}"
-            except OSError as error:
-                where = f"; it could not be kept: {error.strerror}"
-        self._say(one_line(f"a genome of {len(genome)} elements counts as failed: {CONDEMNED}{where}"))
+                genome = work.genomes[place]
+                where = set_apart(self._quarantine, genome, work.task, work.seed, f"{CONDEMNED}; {verdict}")
+                self._say(one_line(f"a genome of {len(genome)} elements counts as failed: {CONDEMNED}{where}"))
 
     def _go_on_without(self, worker: str, reason: str) -> None:
         if worker in self._rejected:
             return
         self._rejected.add(worker)
-        self._last_end = f", the last one was {worker}: {one_line(reason, 160)}"
+        self._vigil.lost(worker, reason)
         self.backend.drop(worker, reason)
-        if self._give_up_after or self._workers():
+        if self._vigil.waits or self._workers():
             self._say(one_line(f"going on without simulator {worker}: {reason}"))
 
     def _give_back_all(self, worker: str, work: Work) -> None:
@@ -348,12 +307,3 @@ class Pool:
             self._open.remove(one)
             work.give_back([i for i in one.places if i not in work.again])
 
-
-def _whole(evaluations: Sequence[Evaluation], count: int) -> list[Evaluation]:
-    """Raises AnswerError, whatever is wrong."""
-    try:
-        return looked_at(evaluations, count)
-    except AnswerError:
-        raise
-    except Exception as error:
-        raise AnswerError(f"its answer cannot be read: {one_line(f'{type(error).__name__}: {error}')}") from None

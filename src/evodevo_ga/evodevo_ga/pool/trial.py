@@ -13,6 +13,7 @@ import sys
 import threading
 from collections.abc import Callable
 from contextlib import suppress
+from pathlib import Path
 
 from evodevo_sim.ros.own_simulators import end_with_parent
 
@@ -23,7 +24,7 @@ from ..backends.contract import Batch
 Judge = Callable[[Batch, float], Evaluation | str]  # see `judged`
 
 COMMAND = [sys.executable, "-m", __spec__.name]
-START = 60.0  # s for the process to start
+START = 300.0  # s for the process to start, also on a host that is busy: nobody is condemned for that
 
 
 class Trials:
@@ -79,18 +80,17 @@ def judged(batch: Batch, patience: float) -> Evaluation | str:
     if process.returncode:
         ended = f"by signal {-process.returncode}" if process.returncode < 0 else f"with exit code {process.returncode}"
         return f"the process ended {ended}"
-    return pickle.loads(answer)  # noqa: S301  (of a process of our own, through a pipe)
+    return pickle.loads(answer)
 
 
 def _evaluated(genome: Genome, task: Task, seed: int, bars: tuple[float, ...]) -> Evaluation:
-    return evaluate(genome, task, seed)
+    return evaluate(genome, task, seed, *bars)
 
 
 def _main() -> None:
     with suppress(OSError):  # where memory runs out, it is this process that goes
-        with open("/proc/self/oom_score_adj", "w") as file:
-            file.write("1000")
-    given = pickle.load(sys.stdin.buffer)  # noqa: S301  (of the process that started this one, through a pipe)
+        Path("/proc/self/oom_score_adj").write_text("1000")
+    given = pickle.load(sys.stdin.buffer)
     answer, sys.stdout = os.fdopen(os.dup(1), "wb"), sys.stderr
     with answer:
         answer.write(pickle.dumps(_evaluated(*given)))

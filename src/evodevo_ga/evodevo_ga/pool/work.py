@@ -49,8 +49,11 @@ class Work:
         self.again: set[int] = set()
 
     def batch(self, places: Sequence[int]) -> Batch:
-        bars = tuple(self.bars[i] for i in places) if self.bars else ()
-        return Batch(tuple(self.genomes[i] for i in places), self.task, self.seed, bars)
+        return Batch(tuple(self.genomes[i] for i in places), self.task, self.seed, self.bars_of(places))
+
+    def bars_of(self, places: Sequence[int]) -> tuple[float, ...]:
+        """None, or one for each place."""
+        return tuple(self.bars[i] for i in places) if self.bars else ()
 
     def next(self, worker: str, size: int, others: bool) -> list[int]:
         """Places for a worker, from those that wait: none that it has called no genome, where others can say whether that is so."""

@@ -16,7 +16,8 @@ from tqdm import tqdm
 from ..arguments import Options
 from ..auditor import Auditor
 from ..evolution import Evolution, Generation
-from ..pool.driver import Pool, PoolError
+from ..pool.driver import Pool
+from ..pool.vigil import PoolError
 from ..settings import UNLIMITED
 from ..times import AUDITS, BREEDING, EVALUATION, RECORDING, Times, table
 from .journal import Journal
@@ -81,7 +82,7 @@ class Run:
         ahead.start()
         with self.times(EVALUATION):
             best = champion.evaluation.fitness if champion else float("-inf")
-            evaluations = evaluator.evaluate(asked, o.task, o.seed, self.stop, best)
+            evaluations = evaluator.evaluate(asked, o.task, o.seed, self.stop, best, self.evolution.bars)
         if evaluations is None:
             return None
         with self.times(BREEDING):

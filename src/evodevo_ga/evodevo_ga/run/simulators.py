@@ -11,7 +11,8 @@ from evodevo_sim.ros.own_simulators import OwnSimulators
 
 from ..arguments import Options, cores
 from ..backends.ros import RosBackend, find_simulators
-from ..pool.driver import Pool, PoolError
+from ..pool.driver import Pool
+from ..pool.vigil import PoolError
 from ..times import START, Times
 
 _DISCOVERY_OF_ALL = 4.0  # s from the node's start to look on where one is found: others' DDS may announce itself every 3 s

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -31,6 +32,7 @@ class Genome:
     y: np.ndarray
 
     def __post_init__(self):
+        _check_size(self.kind, self.sign, self.x, self.y)  # before anything of that size is made
         arrays = {}
         for name, dtype in (("kind", np.uint8), ("sign", np.int8), ("x", np.float64), ("y", np.float64)):
             try:
@@ -68,11 +70,22 @@ class Genome:
         return self.kind, self.sign, self.x, self.y
 
 
+def _wrong_size(elements: int) -> GenomeError:
+    return GenomeError(f"genome: {elements} elements: give the {HEADER} special elements of the header, then up to {MAX_ELEMENTS} in all")
+
+
+def _check_size(*given: Any) -> None:
+    """Raises GenomeError where any of what stands for kind, sign, x and y is too long."""
+    most = max((len(one) for one in given if hasattr(one, "__len__") and np.ndim(one[:0]) == 1), default=0)
+    if most > MAX_ELEMENTS:
+        raise _wrong_size(most)
+
+
 def _check(kind, sign, x, y):
     if not kind.size == sign.size == x.size == y.size:
         raise GenomeError(f"genome: kind, sign, x and y have {kind.size}, {sign.size}, {x.size} and {y.size} entries: give equal numbers")
-    if kind.size < HEADER or kind.size > MAX_ELEMENTS:
-        raise GenomeError(f"genome: {kind.size} elements: give the {HEADER} special elements of the header, then up to {MAX_ELEMENTS} in all")
+    if kind.size < HEADER:
+        raise _wrong_size(kind.size)
     for bad, what in (
         (kind >= len(KINDS), f"kind is unknown: use 0 to {len(KINDS) - 1}"),
         (np.abs(sign) != 1, "sign is neither +1 nor -1"),

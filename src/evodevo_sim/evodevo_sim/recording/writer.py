@@ -169,5 +169,5 @@ class _OneLine:
     def __exit__(self, _, error, __):
         if isinstance(error, OSError):
             raise RecordingError(
-                f"{self._directory}: recording stopped ({error.strerror}): what came before is kept: {self._mend}"
+                f"{self._directory}: recording stopped ({error.strerror}): what came before is kept; {self._mend}"
             ) from None

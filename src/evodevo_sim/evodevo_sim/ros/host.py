@@ -54,8 +54,8 @@ def runs(identity: str) -> bool | None:
 
 
 def _state(identity: str) -> str | None:
-    *space, number, started = identity.split("/")
-    if "/".join(space) != _space() or not (number.isascii() and number.isdigit()):
+    space, number, started = ["", "", "", *identity.rsplit("/", 2)][-3:]
+    if space != _space() or not (number.isascii() and number.isdigit()):
         return None
     try:
         found, state = _start_and_state(int(number))

@@ -28,6 +28,7 @@ def key_of(request: Any) -> Hashable:
     if not request.id:
         return None
     digest = hashlib.blake2b(f"{request.seed} {len(request.genomes)} {request.task.name}".encode(), digest_size=16)
+    digest.update(request.bars.tobytes())
     for genome in request.genomes:
         for values in (genome.kind, genome.sign, genome.x, genome.y):
             digest.update(values.tobytes())

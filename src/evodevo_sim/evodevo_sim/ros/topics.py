@@ -106,7 +106,8 @@ TARGET_POSE = Topic(
 SCENE = Topic("scene", msg.Scene, LATCHED, "", "the world of a walk by `simulate`", "scene")
 GAIT = Topic("gait", msg.Gait, LATCHED, "", "what `evolve` found the motion to be", "gait")
 WORKER = Topic(
-    "worker", msg.Worker, LATCHED, "simulator", "who evaluates, and how it does, each second where somebody listens", "worker", animat=False,
+    "worker", msg.Worker, LATCHED, "simulator", "who evaluates, and how it does, each second where somebody listens", "worker",
+    animat=False,
 )
 TOPICS = (SETTINGS, STATISTICS, CHAMPION, AUDIT, GROWTH_BODY, GROWTH_STATES, BODY, CELL_STATES, ACTUATION, TARGET_POSE, SCENE, GAIT, WORKER)
 

@@ -3,7 +3,15 @@
 from ..kernels.jit import lean
 from ..physics.soundness import INVERTED as TURNED_INSIDE_OUT
 
-OK, NO_GROWTH, NO_CHAMBER, RESTING, UNSTABLE, INVERTED, INVALID_GENOME, UNSETTLED, NO_ROOM = range(9)
+OK, NO_GROWTH, NO_CHAMBER, RESTING, UNSTABLE, INVERTED, INVALID_GENOME, UNSETTLED, NO_ROOM, STOPPED = range(10)
+
+_ROUNDING = 1e-9  # of a bound, more than all roundings of a fitness and of its bound: sums of up to 1,000 terms, roots, products
+
+
+@lean
+def surely(bound):
+    """What a fitness whose terms are at most those of `bound` cannot exceed, however both are rounded.  Args: bound: 0 or more."""
+    return bound * (1.0 + _ROUNDING)
 
 
 @lean

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import inspect
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -43,16 +46,27 @@ class Performance:
     target: tuple[float, float] | None = None
 
 
-def evaluate(genome: Genome, task: Task = Task(), seed: int = 0) -> Evaluation:
+def evaluate(genome: Genome, task: Task = Task(), seed: int = 0, bar: float = -math.inf) -> Evaluation:
     """Evaluate a genome.  Pure: equal arguments give equal bits.
 
     Args:
         genome: see `Genome`.
         task: what for.
         seed: of whatever the task draws at random: noise, where there is any, and of walking the orientations at birth.
+        bar: m; a life is stopped as soon as it is certain that its fitness, as it would be without a bar, is below this.  Its evaluation
+            then is `outcome.stopped`: of status STOPPED, with a bound of that fitness, below the bar.  All others have the same bits as
+            without a bar.  A task whose `run` takes no bar has no bound, nor has a plain distance: they live on.
     """
     too_much = over_limit(genome, task)
-    return invalid(too_much) if too_much else task.kind.function("run")(genome, task, seed, 1.0, *_NOT_KEPT)
+    if too_much:
+        return invalid(too_much)
+    run = task.kind.function("run")
+    return run(genome, task, seed, 1.0, *_NOT_KEPT, **({"bar": bar} if bar > -math.inf and _takes_bar(run) else {}))
+
+
+@cache
+def _takes_bar(run: Callable[..., Evaluation]) -> bool:
+    return "bar" in inspect.signature(run).parameters
 
 
 def prepare(task: Task = Task(), say: Callable[[str], None] = print) -> None:

@@ -31,6 +31,7 @@ class Model(NamedTuple):
     material: MaterialArguments
     scene: SceneArguments
     given_inputs: np.ndarray  # (inputs,) bool: which input signals the scene has
+    bar: float  # fitness below which a life is worth nothing: it stops where it cannot reach that any more; -inf: it never does
 
 
 class Life(NamedTuple):

@@ -16,16 +16,21 @@ _LONGEST = 255  # steps that variant A remembers, at the most
 def needed(genome: Genome, task: Task) -> float:
     """Bytes that an evaluation allocates at the most, within a factor of two."""
     cells, development = task.development.max_cells, task.development
-    behind = genome.kind[HEADER:]
-    begins = (behind == REGULATORY) & (np.append(behind[1:], REGULATORY) != REGULATORY)
-    units = int(begins.sum())
-    morphogens = min(units, int((behind == MORPHOGEN).sum()))
+    units, morphogens = units_and_morphogens(genome.kind)
     rows = 3 * units + 16 + 2 * morphogens  # of concentrations, of what drives them, and of what neighbours exchange
     bytes_ = _PER_WEIGHT * (units + 4.0) ** 2 + 8.0 * cells * rows
     if development.variant == "continual_graph":
         return bytes_ + 4.0 * cells**2  # which pairs were found apart
     remembered = min(2.0 * cells / development.morphogen_speed + 2.0, _LONGEST + 1.0)
     return bytes_ + 16.0 * remembered * morphogens * cells + 52.0 * cells**2  # every pair is an edge, and has a delay
+
+
+def units_and_morphogens(kind: np.ndarray) -> tuple[int, int]:
+    """(regulatory units, those that may make morphogens) of a genome, the latter at the most.  Args: kind (E,) uint8."""
+    behind = kind[HEADER:]
+    begins = (behind == REGULATORY) & (np.append(behind[1:], REGULATORY) != REGULATORY)
+    units = int(begins.sum())
+    return units, min(units, int((behind == MORPHOGEN).sum()))
 
 
 def over_limit(genome: Genome, task: Task) -> str:

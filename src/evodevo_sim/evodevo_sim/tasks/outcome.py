@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import Any
 
 from ..physics.step_size import MOST_SUBSTEPS
 from . import ends
@@ -21,6 +23,7 @@ class Status(IntEnum):
     INVALID_GENOME = ends.INVALID_GENOME
     UNSETTLED = ends.UNSETTLED
     NO_ROOM = ends.NO_ROOM
+    STOPPED = ends.STOPPED
 
 
 STIFF = f"the body needs more than {MOST_SUBSTEPS} physics steps in a control step: lower stiffness, damping or pressure, or raise mass"
@@ -87,3 +90,18 @@ def failure(status: Status, metrics: Metrics, step: int = -1, cause: str = "") -
     """The evaluation of what cannot be scored.  Args: step: control step at which it failed, -1 for none; cause: if not the usual."""
     fitness, usual = FAILURE[status]
     return Evaluation(fitness, status, (cause or usual) + (f", at control step {step}" if step >= 0 else ""), metrics)
+
+
+def stopped(bound: float, metrics: Metrics) -> Evaluation:
+    """The evaluation of a life that was stopped, since its fitness could not reach the bar any more: no failure, and nobody's fitness.
+
+    Args: bound: what its fitness could have been at the most, below the bar; metrics: of the body; nothing is known of its motion.
+    """
+    return Evaluation(bound, Status.STOPPED, "", metrics)
+
+
+def by_body(run: Callable[..., Any]) -> Callable[..., Any]:
+    """Marks a `TaskKind.run` that sees nothing of a genome but what `life.birth` makes of it: genomes of one animal then have one
+    evaluation, see `grown.Grown.key`."""
+    run.by_body = True  # type: ignore[attr-defined]
+    return run

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from ...brain.scent import make_signals
 from ...genetics.genome import Genome
 from ...parameters import Task
-from ..outcome import FAILURE, STIFF, Evaluation, Metrics, Status, Steering, failure
+from ..outcome import FAILURE, STIFF, Evaluation, Metrics, Status, Steering, by_body, failure, stopped
 from ..swim.fitness import kernel_arguments, slowest_progress
 from .kernel import SAMPLES, Tests, Trials, earns, nearing, trials
 
@@ -17,9 +18,15 @@ LEFT, RIGHT = range(2)
 _NOT_KEPT = np.empty((0, 0, 0)), np.empty((0, 0))
 
 
-def run(genome: Genome, task: Task, seed: int, finer: float, track: np.ndarray, activations: np.ndarray) -> Evaluation:
-    """Evaluate a seeker.  Args: see `swim.swim`; the swim that is kept is the one with the target on the left, if there is one."""
-    return score(attempt(genome, task, seed, placements(task), LEFT, finer, (track, activations), every=False), task)
+@by_body
+def run(
+    genome: Genome, task: Task, seed: int, finer: float, track: np.ndarray, activations: np.ndarray, bar: float = -math.inf
+) -> Evaluation:
+    """Evaluate a seeker.
+
+    Args: see `swim.swim`; the swim that is kept is the one with the target on the left, if there is one; bar: see `Model`.
+    """
+    return score(attempt(genome, task, seed, placements(task), LEFT, finer, (track, activations), every=False, bar=bar), task)
 
 
 def placements(task: Task) -> np.ndarray:
@@ -32,13 +39,17 @@ def placements(task: Task) -> np.ndarray:
 
 def attempt(
     genome: Genome, task: Task, seed: int, placed: np.ndarray, shown: int = LEFT, finer: float = 1.0,
-    kept: tuple[np.ndarray, np.ndarray] = _NOT_KEPT, every: bool = True,
+    kept: tuple[np.ndarray, np.ndarray] = _NOT_KEPT, every: bool = True, bar: float = -math.inf,
 ) -> Trials:
-    """All swims of a genome.  Args: placed (K, 2), every, shown: see `Tests`; kept: (track, activations), see `life.Kept`."""
+    """All swims of a genome.
+
+    Args: placed (K, 2), every, shown: see `Tests`; kept: (track, activations), see `life.Kept`; bar: see `Model`, where the targets are
+    those of the task.
+    """
     signals = make_signals(noise=task.noise.arguments(), seed=seed)
     placed = np.ascontiguousarray(placed, float).reshape(-1, 2)
     tests = Tests(task.chemotaxis.arguments(), placed, every, shown)
-    return trials(*kernel_arguments(genome, task), finer, tests, signals, *kept)
+    return trials(*kernel_arguments(genome, task, bar), finer, tests, signals, *kept)
 
 
 def late(path: np.ndarray) -> np.ndarray:
@@ -65,6 +76,8 @@ def score(result: Trials, task: Task) -> Evaluation:
     """What pays: sustained forward motion; then muscles that work in scent, and turning and nearing on both sides."""
     status, path, c = Status(result.status), result.path, task.chemotaxis
     sizes: dict[str, Any] = {"cells": result.cells, "springs": result.springs, "chambers": result.chambers, "substeps": result.substeps}
+    if status == Status.STOPPED:
+        return stopped(result.bound, Metrics(**sizes))
     if status in FAILURE:
         stiff = status == Status.UNSTABLE and result.failed_step < 0
         return failure(status, Metrics(**sizes), result.failed_step, STIFF if stiff else "")

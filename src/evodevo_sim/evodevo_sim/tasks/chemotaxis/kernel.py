@@ -12,9 +12,9 @@ import numpy as np
 from ...brain.controller import Rules
 from ...brain.scent import Signals
 from ...kernels.jit import kernel, lean
-from ..ends import INVERTED, OK, RESTING, UNSTABLE
+from ..ends import INVERTED, OK, RESTING, STOPPED, UNSTABLE, surely
 from ..life import Kept, birth
-from ..swim.kernel import course
+from ..swim.kernel import Stakes, course
 
 if TYPE_CHECKING:
     from ...parameters import ChemotaxisArguments
@@ -50,6 +50,7 @@ class Trials(NamedTuple):
     paths: np.ndarray  # (K, S + 1, 2) m of the swims towards them
     actives: np.ndarray  # (K,) of those swims
     swims: int  # how many of them there were; the others are 0
+    bound: float  # see `swim.Swim`
 
 
 @lean
@@ -71,6 +72,41 @@ def earns(path, target, angle, active):
     return active > 0.0 and nearing(path, target, angle)[1] > 0.0
 
 
+@lean
+def _most_gain(placement):
+    """No gain towards a target is more, m, wherever the path ends: seen from a path gone as far as the target is, the way straight ahead
+    is 2 D sin(angle / 2) from it.  Args: placement: (angle, distance D), see `Tests`."""
+    return 2.0 * placement[1] * abs(np.sin(0.5 * placement[0]))
+
+
+@lean
+def _most_steered(chemotaxis, placements, gains, nearer, swims):
+    """What turning and nearing pay at the most, m, after the first `swims` swims.
+
+    Args: gains, nearer (K,): what those have earned by turning and by nearing, m; of pairs the worse one is paid.
+    """
+    paid = 0.0
+    for left in range(0, placements.shape[0] - 1, 2):
+        gain, near = np.inf, np.inf
+        for k in range(left, left + 2):
+            most = _most_gain(placements[k])
+            gain = min(gain, gains[k] if k < swims else most)
+            near = min(near, nearer[k] if k < swims else min(most, placements[k, 1]))
+        paid += chemotaxis.turning_weight * gain + chemotaxis.approach_weight * max(0.0, near)
+    return paid / chemotaxis.pairs
+
+
+@lean
+def _forward(path, windows):
+    """windows x shortest window x straightness of a path, m, as `swim.fitness.slowest_progress` has it."""
+    shortest, whole, last = np.inf, 0.0, path.shape[0] - 1
+    for k in range(SAMPLES, path.shape[0], SAMPLES):
+        way = np.sqrt((path[k, 0] - path[k - SAMPLES, 0]) ** 2 + (path[k, 1] - path[k - SAMPLES, 1]) ** 2)
+        shortest, whole = min(shortest, way), whole + way
+    straight = np.sqrt((path[last, 0] - path[0, 0]) ** 2 + (path[last, 1] - path[0, 1]) ** 2)
+    return windows * shortest * straight / whole if whole > 0.0 else 0.0
+
+
 @kernel
 def trials(genome, model, finer, tests, signals, track, activations):
     """Evaluate a genome: growth and all swims in one call.
@@ -87,12 +123,15 @@ def trials(genome, model, finer, tests, signals, track, activations):
     springs, chambers = body.rest_length.size, body.triangle_area.size + body.polygon_area.size
     if status != OK:
         return Trials(
-            status, -1, path, 0.0, 0.0, 0, cells, springs, chambers, False, (1.0, 0.0), targets, paths, actives, 0
+            status, -1, path, 0.0, 0.0, 0, cells, springs, chambers, False, (1.0, 0.0), targets, paths, actives, 0, np.inf
         )
     position, velocity, table, past = state.position.copy(), state.velocity.copy(), brain.table.copy(), brain.past.copy()
     activation, activation_range = brain.activation.copy(), np.empty((2, cells))
     rules = Rules(model.task.control_step, model.development, model.continual, signals)
-    status, step, amplitude, active = course(life, model, rules, path, Kept(activation_range, track, activations))
+    bonus, gains, nearer = model.task.activity_bonus, np.zeros(count), np.zeros(count)
+    more = 2.0 * bonus + _most_steered(chemotaxis, placements, gains, nearer, 0)
+    stakes = Stakes(model.bar, chemotaxis.scent_reach, more)
+    status, step, amplitude, active, bound = course(life, model, rules, path, Kept(activation_range, track, activations), stakes)
     dx, dy = path[-1, 0] - path[0, 0], path[-1, 1] - path[0, 1]
     distance = np.sqrt(dx * dx + dy * dy)
     heading = (dx / distance, dy / distance) if distance > 0.0 else (1.0, 0.0)
@@ -100,25 +139,37 @@ def trials(genome, model, finer, tests, signals, track, activations):
     tested = status == OK and distance >= chemotaxis.least_distance
     ended, failed_step = status, step
     if tested:
+        forward, worst, no_stakes = min(_forward(path, model.task.windows), chemotaxis.scent_reach), 1.0, Stakes(-np.inf, np.inf, np.inf)
         for k in range(count):
             c, s = placements[k, 1] * np.cos(placements[k, 0]), placements[k, 1] * np.sin(placements[k, 0])
             targets[k, 0] = path[0, 0] + c * heading[0] - s * heading[1]
             targets[k, 1] = path[0, 1] + c * heading[1] + s * heading[0]
         for k in range(count):
+            if model.bar > -np.inf:
+                paid = bonus + bonus * worst + _most_steered(chemotaxis, placements, gains, nearer, k)
+                most = surely(active * (forward + paid))
+                if most < model.bar:
+                    status, bound = STOPPED, most
+                    break
             state.position[:], state.velocity[:], brain.table[:], brain.past[:] = position, velocity, table, past
             brain.activation[:] = activation
             target = np.array([targets[k, 0], targets[k, 1], chemotaxis.scent_peak, chemotaxis.scent_reach])
             shown = k == tests.shown
             random = np.array([signals.random[0] + np.uint64(k + 1), np.uint64(0)])
             aimed = Rules(model.task.control_step, model.development, model.continual, Signals(target, signals.noise, random))
-            ended, failed_step, _, actives[k] = course(
-                life, model, aimed, paths[k], Kept(activation_range, track if shown else track[:0], activations if shown else activations[:0])
+            ended, failed_step, _, actives[k], _ = course(
+                life, model, aimed, paths[k], Kept(activation_range, track if shown else track[:0], activations if shown else activations[:0]),
+                no_stakes,
             )
             swims += 1
+            if model.bar > -np.inf:
+                last, gain = nearing(paths[k], target, placements[k, 0])
+                gains[k], nearer[k] = actives[k] * gain, actives[k] * min(gain, placements[k, 1] - last)
+                worst = min(worst, actives[k])
             if (ended != OK and ended != RESTING) or not (tests.every or earns(paths[k], target, placements[k, 0], actives[k])):
                 break
     failed = ended == UNSTABLE or ended == INVERTED
     return Trials(
         ended if failed else status, failed_step if failed else -1, path, amplitude, active, state.substeps, cells, springs, chambers,
-        tested, heading, targets, paths, actives, swims,
+        tested, heading, targets, paths, actives, swims, bound,
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from ...genetics.genome import Genome
 from ...parameters import Task
 from ...plant.simulated import SwimmingBody
 from ..life import Model, birth
-from ..outcome import FAILURE, STIFF, Evaluation, Metrics, Status, failure
+from ..outcome import FAILURE, STIFF, Evaluation, Metrics, Status, by_body, failure, stopped
 from .kernel import swim
 
 
@@ -22,11 +23,11 @@ def given_inputs(task: Task) -> np.ndarray:
     return np.array([name != "scent" or task.has_target for name in INPUT_NAMES])
 
 
-def kernel_arguments(genome: Genome, task: Task) -> tuple:
-    """(genome, Model) as kernels take them."""
+def kernel_arguments(genome: Genome, task: Task, bar: float = -math.inf) -> tuple:
+    """(genome, Model) as kernels take them.  Args: bar: see `Model`."""
     model = Model(
         task.arguments(), task.development.arguments(), task.development.variant == "continual_graph", task.material.arguments(),
-        task.scene.arguments(), given_inputs(task),
+        task.scene.arguments(), given_inputs(task), float(bar),
     )
     return genome.arrays(), model
 
@@ -38,10 +39,17 @@ def begin(genome: Genome, task: Task, seed: int) -> tuple[int, Controller, Swimm
     return status, controller, SwimmingBody(life.state, controller.signals)
 
 
-def run(genome: Genome, task: Task, seed: int, finer: float, track: np.ndarray, activations: np.ndarray) -> Evaluation:
-    """Evaluate a swimmer.  Args: finer, track, activations: see `swim.swim`; seed: of the noise, if there is any."""
+@by_body
+def run(
+    genome: Genome, task: Task, seed: int, finer: float, track: np.ndarray, activations: np.ndarray, bar: float = -math.inf
+) -> Evaluation:
+    """Evaluate a swimmer.
+
+    Args: finer, track, activations: see `swim.swim`; seed: of the noise, if there is any; bar: see `Model`: a plain distance has no bound.
+    """
     signals = make_signals(noise=task.noise.arguments(), seed=seed)
-    return score(swim(*kernel_arguments(genome, task), finer, signals, track, activations), task)
+    bar = -math.inf if task.fitness == "distance" else bar
+    return score(swim(*kernel_arguments(genome, task, bar), finer, signals, track, activations), task)
 
 
 def motion_of(metrics: Metrics, task: Task) -> float:
@@ -62,6 +70,9 @@ def slowest_progress(path: np.ndarray) -> float:
 def score(result: Any, task: Task) -> Evaluation:
     status = Status(result.status)
     path = result.path
+    if status == Status.STOPPED:
+        body = Metrics(cells=result.cells, springs=result.springs, chambers=result.chambers, substeps=result.substeps)
+        return stopped(result.bound, body)
     failed = status in FAILURE
     metrics = Metrics(
         cells=result.cells,

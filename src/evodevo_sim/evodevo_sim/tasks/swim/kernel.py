@@ -16,7 +16,7 @@ from ...physics.bounds import find_drag_rate
 from ...physics.mass import centre_of_mass
 from ...physics.soundness import SOUND
 from ...plant.simulated import actuate, move, rests
-from ..ends import INVERTED, OK, RESTING, UNSTABLE, end_of
+from ..ends import INVERTED, OK, RESTING, STOPPED, UNSTABLE, end_of, surely
 from ..life import Kept, activity, birth, forget, keep, widen
 
 LOOK = 50  # control steps between looks at whether all rests
@@ -34,6 +34,17 @@ class Swim(NamedTuple):
     cells: int
     springs: int
     chambers: int
+    bound: float = np.inf  # m: what its fitness could have been at the most, where it was STOPPED
+
+
+class Stakes(NamedTuple):
+    """What a swim is about, so that it can be stopped.  At a window's end its fitness is at most
+    active x (min(windows x shortest window, most) + more), by what they are so far: no later window raises them, nor is a path more
+    than straight."""
+
+    bar: float  # see `Model`
+    most: float  # m that motion can earn at the most
+    more: float  # m that can be earned beside it at the most
 
 
 @lean
@@ -64,17 +75,17 @@ def locomote(life, step, until, rules, kept):
 
 
 @lean
-def course(life, model, rules, path, kept):
-    """Live through all windows, in place.
+def course(life, model, rules, path, kept, stakes):
+    """Live through all windows, in place; or STOPPED at the end of one, see `Stakes`.
 
     Args: path (S + 1, 2): filled with the centre of mass; kept: see `life.Kept`.
 
-    Returns: (status, control step reached, amplitude, active), see `Swim`.
+    Returns: (status, control step reached, amplitude, active, bound), see `Swim`.
     """
     task, position, inverse_mass = model.task, life.state.position, life.state.body.inverse_mass
     samples = (path.shape[0] - 1) // task.windows
     length = task.control_steps // task.windows
-    amplitude, active = 2.0, 1.0
+    amplitude, active, shortest, bound = 2.0, 1.0, np.inf, np.inf
     status, step = OK, 0
     path[0, 0], path[0, 1] = centre_of_mass(position, inverse_mass)
     for window in range(task.windows):
@@ -94,10 +105,17 @@ def course(life, model, rules, path, kept):
         mean, working = activity(kept.activation_range, task.full_activity)
         amplitude = min(amplitude, mean)
         active = min(active, working / model.development.max_cells)
+        if stakes.bar > -np.inf and window + 1 < task.windows:
+            before, after = path[window * samples], path[(window + 1) * samples]
+            shortest = min(shortest, np.sqrt((after[0] - before[0]) ** 2 + (after[1] - before[1]) ** 2))
+            most = surely(active * (min(task.windows * shortest, stakes.most) + stakes.more))
+            if most < stakes.bar:
+                status, bound = STOPPED, most
+                break
     if kept.track.size:
         for later in range(step, task.control_steps + 1):
             keep(life, kept.track[later], kept.activations[later])
-    return status, step, amplitude, active
+    return status, step, amplitude, active, bound
 
 
 @kernel
@@ -114,9 +132,10 @@ def swim(genome, model, finer, signals, track, activations):
     cells, springs = life.brain.activation.size, body.rest_length.size
     chambers = body.triangle_area.size + body.polygon_area.size
     if status != OK:
-        return Swim(status, -1, path, 0.0, 0.0, 0, cells, springs, chambers)
+        return Swim(status, -1, path, 0.0, 0.0, 0, cells, springs, chambers, np.inf)
 
     rules = Rules(model.task.control_step, model.development, model.continual, signals)
-    status, step, amplitude, active = course(life, model, rules, path, Kept(np.empty((2, cells)), track, activations))
+    stakes = Stakes(model.bar, np.inf, model.task.activity_bonus)
+    status, step, amplitude, active, bound = course(life, model, rules, path, Kept(np.empty((2, cells)), track, activations), stakes)
     failed_step = step if status == UNSTABLE or status == INVERTED else -1
-    return Swim(status, failed_step, path, amplitude, active, life.state.substeps, cells, springs, chambers)
+    return Swim(status, failed_step, path, amplitude, active, life.state.substeps, cells, springs, chambers, bound)

@@ -14,16 +14,16 @@ from ...parameters import Task
 from ...physics.terrain import make_terrain
 from ...plant.grounded import WalkingBody
 from ..ends import OK
-from ..outcome import FAILURE, Evaluation, Metrics, Status, failure
+from ..outcome import FAILURE, Evaluation, Metrics, Status, by_body, failure, stopped
 from ..swim.fitness import kernel_arguments as swim_arguments
 from .kernel import come_to_rest, hatch, lay_down, walk
 
 NOT_KEPT = np.empty((0, 0, 0)), np.empty((0, 0))
 
 
-def kernel_arguments(genome: Genome, task: Task) -> tuple:
-    """(genome, Model, Terrain) as `walk` takes them."""
-    return *swim_arguments(genome, task), make_terrain(task.scene)
+def kernel_arguments(genome: Genome, task: Task, bar: float = -math.inf) -> tuple:
+    """(genome, Model, Terrain) as `walk` takes them.  Args: bar: see `life.Model`."""
+    return *swim_arguments(genome, task, bar), make_terrain(task.scene)
 
 
 def headings(seed: int | tuple[int, ...], starts: int) -> np.ndarray:
@@ -38,9 +38,17 @@ def headings(seed: int | tuple[int, ...], starts: int) -> np.ndarray:
     return np.column_stack((np.cos(angle), np.sin(angle)))
 
 
-def run(genome: Genome, task: Task, seed: int, finer: float, track: np.ndarray, activations: np.ndarray) -> Evaluation:
-    """Evaluate a walker.  Args: seed: of its orientations at birth, and of noise; finer, track, activations: see `walk.walk`."""
-    given, ledger = kernel_arguments(genome, task), np.zeros((task.starts, 0))
+@by_body
+def run(
+    genome: Genome, task: Task, seed: int, finer: float, track: np.ndarray, activations: np.ndarray, bar: float = -math.inf
+) -> Evaluation:
+    """Evaluate a walker.
+
+    Args: seed: of its orientations at birth, and of noise; finer, track, activations: see `walk.walk`; bar: see `life.Model`: a plain
+    distance has no bound.
+    """
+    bar = -math.inf if task.fitness == "distance" else bar
+    given, ledger = kernel_arguments(genome, task, bar), np.zeros((task.starts, 0))
     return score(walk(*given, headings(seed, task.starts), finer, noise(task, seed), (track, activations), ledger), task)
 
 
@@ -101,6 +109,8 @@ def score(result: Any, task: Task) -> Evaluation:
     fatal = [k for k, s in enumerate(result.status) if Status(int(s)) in FAILURE and s != Status.UNSETTLED]
     unsettled = result.status == Status.UNSETTLED
     body = {"cells": result.cells, "springs": result.springs, "chambers": result.chambers, "substeps": result.steps}
+    if result.bound < math.inf and result.steps:  # without a step of physics, nothing has grown that could live
+        return stopped(result.bound, Metrics(**body))
     if fatal or unsettled.all():
         k = fatal[0] if fatal else 0
         return failure(Status(int(result.status[k])), Metrics(**body), int(result.failed_step[k]))

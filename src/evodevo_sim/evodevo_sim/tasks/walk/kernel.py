@@ -19,12 +19,13 @@ from ...physics.soundness import SOUND
 from ...physics.terrain import clearance
 from ...plant.grounded import GroundedState, fastest, lies_still, make_grounded_state, move
 from ...plant.simulated import actuate
-from ..ends import INVERTED, NO_ROOM, OK, RESTING, UNSETTLED, UNSTABLE, end_of
+from ..ends import INVERTED, NO_ROOM, OK, RESTING, UNSETTLED, UNSTABLE, end_of, surely
 from ..life import Kept, Life, activity, birth, forget, keep, widen
 from ..swim.kernel import LOOK
 
 _QUIET = 15  # control steps in a row that count as rest
 _TOUCH = 1e-6  # m above the ground, that still counts as contact
+_MOST_KEPT = 2**24  # numbers, of all starts while they wait for each other; where it takes more, no bar stops them
 
 
 class Walker(NamedTuple):
@@ -48,6 +49,63 @@ class Walk(NamedTuple):
     cells: int
     springs: int
     chambers: int
+    bound: float = np.inf  # m: what the fitness could have been at the most, where the walks were stopped; inf where they were not
+
+
+class Moment(NamedTuple):
+    """All that a walk goes on from, of each start (S, ...)."""
+
+    table: np.ndarray
+    past: np.ndarray
+    activation: np.ndarray
+    rest: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+
+
+@kernel
+def _make_moments(life, starts):
+    brain, state = life.brain, life.state
+    return Moment(
+        np.empty((starts, *brain.table.shape)), np.empty((starts, *brain.past.shape)), np.empty((starts, brain.activation.size)),
+        np.empty((starts, state.rest.size)), np.empty((starts, *state.position.shape)), np.empty((starts, *state.position.shape)),
+    )
+
+
+@kernel
+def _leave(life, moments, k):
+    """Keep where start k is."""
+    brain, state = life.brain, life.state
+    moments.table[k], moments.past[k], moments.activation[k] = brain.table, brain.past, brain.activation
+    moments.rest[k], moments.position[k], moments.velocity[k] = state.rest, state.position, state.velocity
+
+
+@kernel
+def _return(life, moments, k):
+    """Go back to where start k was left."""
+    brain, state = life.brain, life.state
+    brain.table[:], brain.past[:], brain.activation[:] = moments.table[k], moments.past[k], moments.activation[k]
+    state.rest[:], state.position[:], state.velocity[:] = moments.rest[k], moments.position[k], moments.velocity[k]
+
+
+@lean
+def _most_of_start(path, done, active, task):
+    """What a start earns at the most, m, by its first `done` windows: no later one raises the slowest, whichever way it goes.
+
+    Args: path (windows + 1,).
+    """
+    forth, back = np.inf, np.inf
+    for window in range(done):
+        way = path[window + 1] - path[window]
+        forth, back = min(forth, way), min(back, -way)
+    return active * (task.windows * max(0.0, forth, back) + task.activity_bonus)
+
+
+@kernel
+def _most(earned):
+    """The mean of the worse half, as `walk.fitness.worse_half` has it, of what starts (S,) earn at the most."""
+    half = (earned.size + 1) // 2
+    return np.sort(earned)[:half].sum() / half
 
 
 @kernel
@@ -143,13 +201,17 @@ def _total(grounded):
 
 
 @kernel
-def _walk_windows(walker, model, rules, path, kept):
-    """Locomotion.  Fills path.  Returns: (status, step reached, amplitude, active)."""
+def _walk_windows(walker, model, rules, path, kept, windows, amplitude, active):
+    """Locomotion in some windows.  Fills path.  Returns: (status, step reached, amplitude, active).
+
+    Args: windows: (first, the one behind the last); amplitude, active: in those before.
+    """
     task, state = model.task, walker.life.state
     length = task.control_steps // task.windows
-    amplitude, active, status, step = 2.0, 1.0, OK, 0
-    path[:] = centre_of_mass(state.position, state.body.inverse_mass)[0]
-    for window in range(task.windows):
+    status, step = OK, windows[0] * length
+    if windows[0] == 0:
+        path[:] = centre_of_mass(state.position, state.body.inverse_mass)[0]
+    for window in range(windows[0], windows[1]):
         forget(kept.activation_range)
         status, step = locomote(walker, step, step + length, rules, kept)
         path[window + 1 :] = centre_of_mass(state.position, state.body.inverse_mass)[0]
@@ -175,34 +237,58 @@ def walk(genome, model, terrain, headings, finer, signals, shown, ledger):
     """
     starts, task, track, activations = headings.shape[0], model.task, shown[0], shown[1]
     status, failed, settling = np.zeros(starts, np.int64), np.full(starts, -1), np.zeros(starts, np.int64)
-    path, amplitude, active, gain = np.zeros((starts, task.windows + 1)), np.zeros(starts), np.zeros(starts), np.zeros(starts)
+    path, gain = np.zeros((starts, task.windows + 1)), np.zeros(starts)
+    amplitude, active, earned, bound = np.full(starts, 2.0), np.ones(starts), np.full(starts, np.inf), np.inf
     grown, first = hatch(genome, model, terrain, finer, ledger[0])
     life, ground = first.life, first.grounded
     brain, state = life.brain, life.state
     cells, springs = brain.activation.size, state.body.rest_length.size
     chambers = state.body.triangle_area.size + state.body.polygon_area.size
-    table, past, activation, rest = brain.table.copy(), brain.past.copy(), brain.activation.copy(), state.rest.copy()
+    stops = model.bar > -np.inf and starts * (brain.table.size + brain.past.size) <= _MOST_KEPT
+    # Where a bar can stop them, all starts walk a window each, then the next one; else one after the other, to the end.
+    rounds = task.windows if stops else 1
+    moments, newborn = _make_moments(life, starts if stops else 0), _make_moments(life, 1)
+    _leave(life, newborn, 0)
     activation_range = np.empty((2, cells))
-    for k in range(starts):
-        grounded = GroundedState(state, ground.system, ground.work, ground.steps, ground.born, ledger[k])
-        asleep = GroundedState(state, ground.system, ground.work, ground.steps, ground.born, np.empty(0))
-        status[k], step = grown, 0
-        if grown == OK:
-            brain.table[:], brain.past[:], brain.activation[:], state.rest[:] = table, past, activation, rest
-            status[k] = lay_down(grounded, headings[k])
-        if status[k] == OK:
-            status[k], settling[k] = come_to_rest(asleep, task)
-        if status[k] != OK:
-            continue
-        gain[k] = -_total(grounded) if ledger.size else 0.0
-        kept = Kept(activation_range, track if k == 0 else track[:0], activations if k == 0 else activations[:0])
-        noise = Signals(signals.target, signals.noise, np.array([signals.random[0] + np.uint64(k), np.uint64(0)]))
-        rules = Rules(task.control_step, model.development, model.continual, noise)
-        status[k], step, amplitude[k], active[k] = _walk_windows(Walker(life, grounded), model, rules, path[k], kept)
-        gain[k] += _total(grounded) if ledger.size else 0.0
-        if kept.track.size:
-            for later in range(step, task.control_steps + 1):
-                keep(life, kept.track[later], kept.activations[later])
-        if status[k] == UNSTABLE or status[k] == INVERTED:
-            failed[k] = step
-    return Walk(status, failed, path, amplitude, active, settling, gain, ground.steps, cells, springs, chambers)
+    for turn in range(rounds):
+        for k in range(starts):
+            grounded = GroundedState(state, ground.system, ground.work, ground.steps, ground.born, ledger[k])
+            if turn == 0:
+                asleep = GroundedState(state, ground.system, ground.work, ground.steps, ground.born, np.empty(0))
+                status[k] = grown
+                if grown == OK:
+                    _return(life, newborn, 0)
+                    status[k] = lay_down(grounded, headings[k])
+                if status[k] == OK:
+                    status[k], settling[k] = come_to_rest(asleep, task)
+                if status[k] == OK:
+                    gain[k] = -_total(grounded) if ledger.size else 0.0
+                else:
+                    amplitude[k], active[k] = 0.0, 0.0
+            elif status[k] == OK:
+                _return(life, moments, k)
+            if status[k] == OK:
+                kept = Kept(activation_range, track if k == 0 else track[:0], activations if k == 0 else activations[:0])
+                noise = Signals(signals.target, signals.noise, np.array([signals.random[0] + np.uint64(k), np.uint64(0)]))
+                rules = Rules(task.control_step, model.development, model.continual, noise)
+                windows = turn * task.windows // rounds, (turn + 1) * task.windows // rounds
+                status[k], step, amplitude[k], active[k] = _walk_windows(
+                    Walker(life, grounded), model, rules, path[k], kept, windows, amplitude[k], active[k]
+                )
+                if turn + 1 == rounds or status[k] != OK:
+                    gain[k] += _total(grounded) if ledger.size else 0.0
+                    if kept.track.size:
+                        for later in range(step, task.control_steps + 1):
+                            keep(life, kept.track[later], kept.activations[later])
+                if status[k] == UNSTABLE or status[k] == INVERTED:
+                    failed[k] = step
+                if stops:
+                    _leave(life, moments, k)
+            if stops and not (turn + 1 == rounds and k + 1 == starts):
+                earned[k] = _most_of_start(path[k], turn + 1, active[k], task) if status[k] == OK else 0.0
+                most = surely(_most(earned))
+                if most < model.bar:
+                    return Walk(
+                        status, failed, path, amplitude, active, settling, gain, ground.steps, cells, springs, chambers, most
+                    )
+    return Walk(status, failed, path, amplitude, active, settling, gain, ground.steps, cells, springs, chambers, bound)
