@@ -14,6 +14,7 @@ import pandas as pd
 import pytest
 from crashes import Crash, Crashing, Disk, Failing
 from evodevo_ga.arguments import parse
+from evodevo_ga.evolve import main as evolve
 from evodevo_ga.individual import Individual, individual_of_plain, plain_individual
 from evodevo_ga.keeping import history as history_module
 from evodevo_ga.keeping.checkpoint import BEFORE, NAME, Checkpoints, read_checkpoint
@@ -360,6 +361,15 @@ def test_the_lock_says_who_holds_it_and_is_free_once_they_are_killed(tmp_path):
     with Lock(tmp_path):
         assert resumed(tmp_path).evolution.generation == 1
         refuse_if_held(tmp_path)  # not by another process
+
+
+def test_a_second_run_in_the_directory_of_another_is_refused_with_the_way_to_go_on(tmp_path, capsys):
+    Run(tmp_path, Crashing()).go(1)
+    before = sorted(tmp_path.iterdir())
+    assert evolve(["--out", str(tmp_path)]) == 2
+    told = capsys.readouterr().err
+    assert "holds a run already: go on with it by --resume" in told and told.count("\n") == 1
+    assert sorted(tmp_path.iterdir()) == before
 
 
 def test_the_history_is_read_in_two_lines(undisturbed):

@@ -21,6 +21,7 @@ from rclpy.experimental import EventsExecutor
 
 from .arguments import Options, parse
 from .auditor import Auditor
+from .keeping.checkpoint import NAME as CHECKPOINT
 from .keeping.errors import KeepingError, ResumeError
 from .keeping.lock import Lock, refuse_if_held
 from .keeping.sessions import Sessions
@@ -57,6 +58,7 @@ def evolve(options: Options, arguments: list[str]) -> int:
         check_backend(options)
         if options.resumed is None:
             refuse_if_held(options.out)
+            _refuse_other(options)
             return _run(options, arguments, Recorded())
         with Lock(options.out):
             options = parse(arguments)  # again: who held the lock may have gone on meanwhile
@@ -87,6 +89,12 @@ def _run(options: Options, arguments: list[str], recorded: Recorded) -> int:
         stack.enter_context(heeded(stop.ask))
         auditor = stack.enter_context(Auditor(options.task, options.seed))
         return Run(options, recorder, auditor, stop, times, node, executor, began, recorded=recorded).go()
+
+
+def _refuse_other(options: Options) -> None:
+    """Raises ResumeError where another run is in the directory that is to be made."""
+    if (options.out / CHECKPOINT).exists():
+        raise ResumeError(f"{options.out} holds a run already: go on with it by --resume {options.out}, or choose another directory")
 
 
 def _refuse_finished(options: Options, recorded: Recorded) -> None:
