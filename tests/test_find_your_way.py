@@ -21,7 +21,8 @@ _spec.loader.exec_module(completion)
 PARSERS = {
     (package, name): completion.parser_of(entry) for package in completion.PACKAGES for name, entry in completion.commands(package).items()
 }
-RESULTS = {"-o", "--out", "--save", "--picture", "--png", "--csv", "--npz"}  # what follows is made, and need not be there
+# What follows is made, or is a device, and need not be there.
+RESULTS = {"-o", "--out", "--save", "--picture", "--png", "--csv", "--npz", "--link", "--port", "--calibration"}
 RUN = ("request", "figure")  # whose examples are so cheap that they run here; of the others the parser takes them
 
 

@@ -32,7 +32,7 @@ KEYS = {
     "numba": "python3-numba", "llvmlite": "python3-numba", "numpy": "python3-numpy", "psutil": "python3-psutil", "rich": "python3-rich",
     "scipy": "python3-scipy", "tqdm": "python3-tqdm", "yaml": "python3-yaml", "zstandard": "python3-zstandard",
     "rosbags": "python3-rosbags-pip", "rerun": None, "rerun_cli": None, "rerun_bindings": None, "pyarrow": None,
-    "serial": "python3-serial", "cobs": None,
+    "serial": "python3-serial", "cobs": None, "ribs": None, "distributed": None,
     "PIL": "python3-pil", "av": None,
 }
 
@@ -78,11 +78,11 @@ def test_requirements_for_pip_bring_what_a_package_imports(package):
     brought |= {"PIL"} if "pillow" in brought else set()
     if any("ros" in one.extras for one in named):  # those of the other package's extra
         brought |= {Requirement(one).name for one in setup_of("evodevo_sim")["extras_require"]["ros"]}
-    names = {"mcap_ros2": "mcap-ros2-support", "yaml": "pyyaml", "mpl_toolkits": "matplotlib", "rerun": "rerun-sdk"}
+    names = {"mcap_ros2": "mcap-ros2-support", "yaml": "pyyaml", "mpl_toolkits": "matplotlib", "rerun": "rerun-sdk", "serial": "pyserial"}
     names |= {"pyarrow": "rerun-sdk"} if package == "evodevo_sim" else {}
     names |= dict.fromkeys(("rerun_cli", "rerun_bindings"), "rerun-sdk") | {"llvmlite": "numba", "rclpy": "ros-jazzy-rclpy"}
     of_ros = {"ament_index_python", "builtin_interfaces", "evodevo_msgs", "geometry_msgs", "rcl_interfaces", "std_msgs", "std_srvs"}
-    of_ros |= {"sensor_msgs", "visualization_msgs"}
+    of_ros |= {"diagnostic_msgs", "sensor_msgs", "visualization_msgs"}
     assert {names.get(name, name).replace("_", "-") for name in imported(package) - of_ros} <= brought
 
 
@@ -272,7 +272,7 @@ def test_the_example_of_a_node_hears_a_live_animat():
 
 def test_each_example_is_run_and_listed():
     files = {path.name for path in (ROOT / "examples").iterdir() if path.is_file()}
-    assert files == {*EXAMPLES, "notebook.ipynb"}
+    assert files == {*EXAMPLES, "notebook.ipynb", "body.yaml"}
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     assert not [name for name in (*files, "climb/climb.py") if f"examples/{name}" not in readme]
 

@@ -6,9 +6,9 @@ import os
 import platform
 import threading
 from collections import OrderedDict
+from importlib.metadata import version
 from typing import Any
 
-import numba
 import numpy
 from evodevo_sim.tasks.code import code_hash
 from evodevo_sim.tasks.evaluation import prepare
@@ -25,7 +25,7 @@ _MOST = 10_000
 
 
 IDENTITY = {
-    "evodevo": __version__, "code": code_hash(), "python": platform.python_version(), "numba": numba.__version__,
+    "evodevo": __version__, "code": code_hash(), "python": platform.python_version(), "numba": version("numba"),
     "numpy": numpy.__version__, "machine": platform.machine(), "host": platform.node(), "pid": os.getpid(),
 }
 

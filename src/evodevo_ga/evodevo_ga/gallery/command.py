@@ -11,10 +11,12 @@ from evodevo_sim.view import files
 
 _EPILOG = """\
 examples:
-  ros2 run evodevo_ga gallery bags/RUN -o gallery.png
+  ros2 run evodevo_ga evolve --out bags/unlike
+      a run whose search is an archive, as that of swimmers is by default
+  ros2 run evodevo_ga gallery bags/unlike -o gallery.png
       the map of its archive: each animal in the cell of its body's measures, on a colour that tells its fitness, its gait named; the
       best is framed
-  ros2 run evodevo_ga gallery bags/RUN -o gallery.pdf --save gallery.rrd
+  ros2 run evodevo_ga gallery bags/unlike -o gallery.pdf --save gallery.rrd
       the same moving, in the Rerun viewer: `rerun --bind 127.0.0.1 gallery.rrd`
 
 Each animal's genome is left in RUN/archive, named by column and row of its cell, with what its audit said; RUN/archive/archive.csv is the

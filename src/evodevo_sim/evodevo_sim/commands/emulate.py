@@ -13,8 +13,8 @@ from ..ros.environment import need_no_graph, without_ros
 
 _EPILOG = """\
 examples:
-  ros2 run evodevo_sim emulate champion.yaml --link /tmp/eel --calibration eel.yaml
-      a body that the genome grows, at /tmp/eel; eel.yaml is written where it is not there
+  ros2 run evodevo_sim emulate bags/sample-swim --link /tmp/eel --calibration eel.yaml
+      the body of a run's champion, at /tmp/eel; eel.yaml is written where it is not there
   ros2 run evodevo_sim emulate champion.yaml --link /tmp/eel --calibration eel.yaml --rig plant.yaml
       with the lag, the noise and the faults of plant.yaml (docs/guide/hardware.md)
 
