@@ -94,6 +94,54 @@ def test_impossible_settings_are_named(name, value):
         Development(**{name: value})
 
 
+ROOM = 0.6
+STILL = dict(repulsion=0.0, adhesion=0.0)  # all stay where they were born
+
+
+def growth_of(genome, **development):
+    """(steps + 1, N, 2) m, without a life after it; NaN where there is no cell yet."""
+    law = Development(**development)
+    shape = law.steps + 1, law.max_cells
+    history, none = np.full((*shape, 2), np.nan), np.full((law.steps + 1, law.max_cells**2 + 1, 2), -1)
+    embryo = develop(*kernel_arguments(genome, Task(development=law)), history, np.full(shape, np.nan), none)[2]
+    return history[:, : len(embryo.position)]
+
+
+@pytest.mark.parametrize("variant", ["continual_graph", "graph_at_end"])
+@settings(max_examples=15, deadline=None)
+@given(seed=st.integers(0, 10_000), turn=st.sampled_from([0.0, 0.02, -1.0]))
+def test_with_room_asked_for_no_daughter_comes_nearer_to_others_than_her_mother(variant, seed, turn):
+    """Mothers and daughters, half a diameter apart, are a tree; all other pairs have room."""
+    genome = random_genome(np.random.default_rng(seed)) if seed % 3 else dividing()
+    p = growth_of(genome, variant=variant, **STILL, division_room=ROOM, waiting_turn=turn, max_cells=24, steps=150)[-1]
+    distance = np.linalg.norm(p[:, None] - p[None], axis=-1)[np.triu_indices(len(p), 1)]
+    near = distance < ROOM
+    assert near.sum() == len(p) - 1
+    assert distance[near] == pytest.approx(np.full(len(p) - 1, 0.5), abs=1e-9)
+
+
+def test_cells_wait_for_room_and_grow_on_when_they_have_turned_to_it():
+    cells = lambda **law: growth_of(dividing(), **law).shape[1]
+    assert cells(division_room=10.0) == 2  # the third would be near the first or the second, wherever it is
+    waiting = dict(division_room=ROOM, division_turn=np.pi, axis_turn=0.0, **STILL)
+    assert cells(**waiting) == 3  # two daughters on either side that point at their mother, as she does at one
+    born = np.isfinite(growth_of(dividing(), **waiting, waiting_turn=0.004)[..., 0]).sum(axis=1)
+    assert born[-1] > 3 and int(np.argmax(born > 3)) > 200  # when all has been at rest for long
+
+
+@pytest.mark.parametrize("variant", ["continual_graph", "graph_at_end"])
+def test_cells_with_as_many_neighbours_as_are_given_wait(variant):
+    cells = lambda most: growth_of(dividing(), variant=variant, division_neighbours=most).shape[1]
+    assert [cells(most) for most in (1, 64, 0)] == [2, 32, 32]  # each of a pair has one neighbour
+    assert 2 < cells(2) <= cells(4)
+
+
+def test_without_room_asked_for_nobody_waits():
+    for genome in (dividing(), *(random_genome(np.random.default_rng(k)) for k in range(20))):
+        usual, other = growth_of(genome), growth_of(genome, waiting_turn=1.0)
+        assert np.array_equal(usual, other, equal_nan=True)
+
+
 def test_a_newborns_morphogen_reaches_others_after_its_delay():
     """Variant A of two cells, in closed form: what a cell perceives at t is c(t - d/v) / (1 + d/range) of each, 0 from before a birth."""
     place = (0.0, 5 * FAR)

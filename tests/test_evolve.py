@@ -261,7 +261,7 @@ def test_a_killed_run_leaves_no_simulators_and_its_champion(tmp_path):
 @pytest.mark.parametrize(
     "arguments, says",
     [
-        (["--preset", "treacle"], "preset 'treacle' is unknown: choose one of low_drag, high_drag"),
+        (["--preset", "treacle"], "preset 'treacle' is unknown: choose one of low_drag, high_drag, contact_inhibition"),
         (["--task", "fly"], "task 'fly' is unknown: choose one of swim"),
         (["--population", "1"], "settings.population is 1"),
         (["--population", "many"], "--population"),

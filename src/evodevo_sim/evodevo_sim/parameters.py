@@ -67,6 +67,11 @@ class Development(Checked):
     division_threshold: float = parameter(0.5, 0.01, 1.0, "", "division factor above which a cell divides")
     division_turn: float = parameter(0.1, -math.pi, math.pi, "rad", "turn of the axis at each division")
     axis_turn: float = parameter(math.pi, -math.tau, math.tau, "rad", "further turn for a full axis factor")
+    division_room: float = parameter(
+        0.0, 0.0, 10.0, "m", "a cell waits to divide while its daughter would come nearer than that to another; 0: none waits"
+    )
+    division_neighbours: int = parameter(0, 0, 64, "", "a cell with as many neighbours or more waits to divide; 0: none waits")
+    waiting_turn: float = parameter(0.0, -math.pi, math.pi, "rad", "turn of the axis in each step in which a cell waits for room")
     maternal_length: float = parameter(4.0, 1e-3, 1e6, "m", "distance over which a maternal signal goes from 1/2 to 3/4")
     relaxations: int = parameter(6, 1, 100, "", "mechanical relaxations in a regulation step")
     repulsion: float = parameter(0.3, 0.0, 0.5, "", "share of an overlap undone in one relaxation")
@@ -197,10 +202,11 @@ class Task(Checked):
         return known_kind(self.name)
 
 
-# Named sets of settings, for any task that has drag.
+# Named sets of settings: fluids, for any task that has drag, and growth in which crowded cells wait, for any task.
 PRESETS: dict[str, dict[str, object]] = {
     "low_drag": {"scene.drag_normal": 10.0, "scene.drag_tangential": 0.05},
     "high_drag": {"scene.drag_normal": 400.0, "scene.drag_tangential": 2.0},
+    "contact_inhibition": {"development.division_room": 0.6, "development.division_neighbours": 4, "development.waiting_turn": 0.02},
 }
 
 

@@ -76,24 +76,35 @@ def maternal(table, first_input, position, cells, length):
 
 
 @lean
-def _divide(position, axis, table, units, cells, development):
-    """Let every cell whose division factor is high enough divide, in order of age.  Returns the new number of cells."""
-    now = cells
+def _divide(position, axis, table, units, cells, development, degree):
+    """Let every cell whose division factor is high enough divide, in order of age.  Returns the new number of cells.
+
+    A cell of `division_neighbours` waits.  So does one whose daughter would come nearer than `division_room` to another cell, and
+    turns its axis.  Where no room is asked for, a daughter that would lie upon another cell goes elsewhere around her mother.
+
+    Args: degree (>= cells,) int64: neighbours of each cell.
+    """
+    now, room, most = cells, development.division_room, development.division_neighbours
+    least = max(room, _CLEAR)
     for i in range(cells):
         if now >= development.max_cells:
             break
-        if table[units + DIVISION, i] <= development.division_threshold:
+        if table[units + DIVISION, i] <= development.division_threshold or 0 < most <= degree[i]:
             continue
-        ax, ay = axis[i, 0], axis[i, 1]
-        for _ in range(8):
+        ax, ay, clear = axis[i, 0], axis[i, 1], False
+        for _ in range(1 if room > 0.0 else 8):
             x, y = position[i, 0] + 0.5 * ax, position[i, 1] + 0.5 * ay
             clear = True
             for j in range(now):
-                clear = clear and (x - position[j, 0]) ** 2 + (y - position[j, 1]) ** 2 > _CLEAR**2
+                clear = clear and (j == i or (x - position[j, 0]) ** 2 + (y - position[j, 1]) ** 2 > least**2)
             if clear:
                 break
-            c, s = np.cos(_GOLDEN_ANGLE), np.sin(_GOLDEN_ANGLE)
+            turn = development.waiting_turn if room > 0.0 else _GOLDEN_ANGLE
+            c, s = np.cos(turn), np.sin(turn)
             ax, ay = c * ax - s * ay, s * ax + c * ay
+        if room > 0.0 and not clear:
+            axis[i, 0], axis[i, 1] = ax, ay
+            continue
         position[now, 0], position[now, 1] = x, y
         turn = development.division_turn + development.axis_turn * table[units + AXIS, i]
         c, s = np.cos(turn), np.sin(turn)
@@ -104,6 +115,16 @@ def _divide(position, axis, table, units, cells, development):
             table[row, now] = table[row, i]
         now += 1
     return now
+
+
+@lean
+def _turns(table, units, cells, development):
+    """Whether a cell that waits turns its axis, and so may find room yet."""
+    turns = False
+    if development.division_room > 0.0 and development.waiting_turn != 0.0 and cells < development.max_cells:
+        for i in range(cells):
+            turns = turns or table[units + DIVISION, i] > development.division_threshold
+    return turns
 
 
 @lean
@@ -266,7 +287,7 @@ def grow(network, development, continual, history, activations, graphs, halt):
     position = np.zeros((limit + 1, 2))
     axis = np.zeros((limit, 2))
     axis[0, 0] = 1.0
-    spread, degree, crowded = make_spread(network, limit), np.empty(limit, np.int64), False
+    spread, degree, crowded = make_spread(network, limit), np.zeros(limit, np.int64), False
     witness = np.zeros((limit, limit) if continual else (0, 0), np.int32)
     edges = np.empty((3 * limit + 1 if continual else limit * (limit - 1) // 2 + 1, 2), np.int64)
     room = padded4(edges.shape[0])
@@ -297,7 +318,7 @@ def grow(network, development, continual, history, activations, graphs, halt):
         else:
             exchange(network, table, start, neighbour, cells, spread)
         regulate(network, table, drive, cells, development.regulation_rate)
-        grown = _divide(position, axis, table, units, cells, development)
+        grown = _divide(position, axis, table, units, cells, development, degree)
         moved = moved or grown > cells
         if moved:
             if continual:
@@ -321,7 +342,8 @@ def grow(network, development, continual, history, activations, graphs, halt):
             maternal(table, first_input, position, grown, development.maternal_length)
             moved = most > REST
         # Delays of variant A can hold a change back for `longest` steps, so it runs to the end.
-        if continual and not moved and grown == cells and unrest(network, table, drive, cells) < REST:
+        still = continual and not moved and grown == cells and unrest(network, table, drive, cells) < REST
+        if still and not _turns(table, units, cells, development):
             steps = step + 1
             break
         cells = grown
