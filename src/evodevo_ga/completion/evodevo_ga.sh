@@ -34,7 +34,7 @@ _evodevo_words_evodevo_ga() {
         "evolve --point-mutation") echo "<any>" ;;
         "evolve --point-scale") echo "<any>" ;;
         "evolve --population") echo "<any>" ;;
-        "evolve --preset") echo "low_drag high_drag" ;;
+        "evolve --preset") echo "low_drag high_drag contact_inhibition" ;;
         "evolve --redraws") echo "<any>" ;;
         "evolve --resume") echo "<files>" ;;
         "evolve --run-length") echo "<any>" ;;

@@ -53,7 +53,7 @@ def save(
         try:
             stream.save(path)
             layout = log_purpose(stream, recording, life, purpose, step, palette, cell)
-            if stream.get_application_id() is not None:  # none where Rerun is switched off after all
+            if rerun.get_application_id(stream) is not None:  # none where Rerun is switched off after all
                 stream.send_blueprint(layout)
         finally:
             stream.disconnect()
