@@ -6,7 +6,7 @@ import threading
 import numpy as np
 import pytest
 from evodevo_sim.live.animat import Animat, Stage
-from evodevo_sim.nodes import simulator as node
+from evodevo_sim.nodes import living as node
 from evodevo_sim.parameters import default_task, with_settings
 from evodevo_sim.recording import read_recording
 from evodevo_sim.ros.messages import genome_message, task_message
@@ -106,11 +106,11 @@ def test_where_nobody_listens_no_message_is_made(monkeypatch):
         if step == 5:
             heard.set()
         animat.step()
-        node.Simulator._act(Node, animat)
+        node.Living._act(Node, animat)
     assert [message.step for message in made] == [5, 6, 7, 8] and made[0].header.frame_id == "leg"
     heard.clear()
     asked.clear()
-    stage = Stage(lambda animat: None, stopped.append, 1, lambda animat: node.Simulator._act(Node, animat))
+    stage = Stage(lambda animat: None, stopped.append, 1, lambda animat: node.Living._act(Node, animat))
     try:
         stage.load(animat, 0.0)
         assert asked.wait(20.0)

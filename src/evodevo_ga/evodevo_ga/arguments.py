@@ -130,10 +130,11 @@ def parse(arguments: list[str]) -> Options:
         help="a way to search and its set of the numbers below, which go over it (default: what suits the task); "
         f"{'; '.join(f'{one.name}: {one.what}' for one in SCHEMES.values())}".replace("%", "%%"),
     )
+    named = {name: known_kind(name).search for name in names()} | {one.name: one.settings for one in SCHEMES.values()}
     for field in dataclasses.fields(Settings):
         group.add_argument(
             f"--{field.name.replace('_', '-')}", type=_NUMBER[type(field.default)], metavar="N" if isinstance(field.default, int) else "X",
-            help=f"{field.metadata['meaning']} (default {_defaults(field)})",
+            help=f"{field.metadata['meaning']} (default {_defaults(field, named)})",
         )
     parser.add_argument("--preset", metavar="NAME", help=f"a named set of numbers of the model: {', '.join(PRESETS)}")
     sets = "set a number of the model, e.g. material.stiffness=300"
@@ -223,8 +224,8 @@ def _resumed(parser: Parser, given: Any, arguments: list[str]) -> Options:
     )
 
 
-def _defaults(field) -> str:
-    named = {name: known_kind(name).search for name in names()} | {one.name: one.settings for one in SCHEMES.values()}
+def _defaults(field, named: dict[str, Any]) -> str:
+    """The default of a setting, and where others have another.  Args: named: settings of tasks and schemes, by their names."""
     words: dict[Any, str] = {UNLIMITED: "without limit"}
     differ = [
         f"{words.get(settings[field.name], settings[field.name])} for {name}" for name, settings in named.items() if field.name in settings

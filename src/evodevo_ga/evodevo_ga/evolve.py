@@ -23,6 +23,7 @@ from .arguments import Options, parse
 from .auditor import Auditor
 from .keeping.checkpoint import NAME as CHECKPOINT
 from .keeping.errors import KeepingError, ResumeError
+from .keeping.lock import NAME as LOCK
 from .keeping.lock import Lock, refuse_if_held
 from .keeping.sessions import Sessions
 from .pool.vigil import PoolError
@@ -76,6 +77,7 @@ def _run(options: Options, arguments: list[str], recorded: Recorded) -> int:
     with ExitStack() as stack:
         recorder = stack.enter_context(GuardedRecorder(options.out, go_on=options.resumed is not None))
         recorder.mend = f"make room, then `ros2 run evodevo_ga evolve --resume {options.out}`"
+        recorder.companions.add(LOCK)
         if view is not None:
             recorder.hearers.append(stack.enter_context(view).hear)
         stack.enter_context(started("evolve", arguments))

@@ -7,9 +7,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
+if TYPE_CHECKING:
+    import numpy as np
 
 _STRETCH = 0.7  # power of |e - c|: weak muscles show, too
 
@@ -39,6 +40,8 @@ def activation_colours(activation: Any, palette: str = DEFAULT) -> np.ndarray:
     Args: activation: any shape (...); outside [-1, 1] it is clipped, NaN is at rest.
     Returns: (..., 3) uint8, sRGB.
     """
+    import numpy as np  # it takes longer than all that help texts need
+
     a = np.nan_to_num(np.clip(np.asarray(activation, float), -1.0, 1.0))
     stretched = np.sign(a) * np.abs(a) ** _STRETCH
     stops = np.array(PALETTES[palette].stops, float)

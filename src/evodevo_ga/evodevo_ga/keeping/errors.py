@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from evodevo_sim.inputs import InputError
 
 
@@ -16,4 +18,4 @@ class KeepingError(InputError, RuntimeError):
     def of(cls, what: object, error: OSError, directory: object) -> KeepingError:
         """The error of a file that the operating system does not write."""
         mend = f"what came before is kept: make room, then `ros2 run evodevo_ga evolve --resume {directory}`"
-        return cls(f"{what} cannot be written ({error.strerror or error}): {mend}")
+        return cls(f"{Path(str(what)).name} cannot be written ({error.strerror or error}): {mend}")

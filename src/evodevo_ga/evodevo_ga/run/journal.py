@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from evodevo_sim.recording.writer import Recorder
@@ -114,7 +114,7 @@ class Journal:
         if self._options.task.kind.audit is not None and not champion.evaluation.cause:
             self._auditor.submit(generation, champion)
 
-    def finish_audits(self, stop) -> None:
+    def finish_audits(self, stop: Callable[[], bool]) -> None:
         """Wait for the audits that are under way; once `stop()` says to stop, for that of the last champion alone."""
         if len(self._auditor) > 2 and not stop():
             print(f"Auditing the last {len(self._auditor)} champions", flush=True)

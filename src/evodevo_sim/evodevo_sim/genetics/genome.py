@@ -76,9 +76,17 @@ def _wrong_size(elements: int) -> GenomeError:
 
 def _check_size(*given: Any) -> None:
     """Raises GenomeError where any of what stands for kind, sign, x and y is too long."""
-    most = max((len(one) for one in given if hasattr(one, "__len__") and np.ndim(one[:0]) == 1), default=0)
+    most = max(map(_length, given))
     if most > MAX_ELEMENTS:
         raise _wrong_size(most)
+
+
+def _length(given: Any) -> int:
+    """Of a flat list or array; 0 where it is none, which is told later."""
+    shape = getattr(given, "shape", None)
+    if shape is not None:
+        return int(shape[0]) if len(shape) == 1 else 0
+    return len(given) if hasattr(given, "__len__") and np.ndim(given[:0]) == 1 else 0
 
 
 def _check(kind, sign, x, y):

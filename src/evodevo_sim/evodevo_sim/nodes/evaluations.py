@@ -42,7 +42,7 @@ class Evaluations:
 
     def __init__(
         self, node: Any, callbacks: Callbacks, threads: int, limits: Limits, ending: Callable[[], bool],
-        judge: Callable[[Genome, Task, int, float], Evaluation] = evaluate, code: str = "",
+        judge: Callable[[Genome, Task, int, float], Evaluation] | None = None, code: str = "",
     ):
         self._node, self._callbacks, self._threads, self._limits, self._ending = node, callbacks, threads, limits, ending
         self._judge, self._code = judge, code or code_hash()
@@ -117,7 +117,7 @@ class Evaluations:
     def _evaluation(self, genome: Genome, task: Task, seed: int, bar: float) -> Evaluation:
         """Of one genome: what goes wrong with it harms no other of its batch."""
         try:
-            return self._judge(genome, task, seed, bar)
+            return (self._judge or evaluate)(genome, task, seed, bar)
         except (Halted, ParameterError):
             raise
         except Exception as error:

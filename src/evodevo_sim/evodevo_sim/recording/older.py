@@ -38,7 +38,8 @@ _ABSENT = {"Steering"}  # all 0 where there was none
 # What is not there holds none the less: all were so before the field came, or its empty value says that nobody knows.
 _TRUE = {
     ("Task", "fitness"), ("Material", "muscle_range"), ("Evolution", "scheme"), ("Development", "division_room"),
-    ("Development", "division_neighbours"), ("Development", "waiting_turn"),
+    ("Development", "division_neighbours"), ("Development", "waiting_turn"), ("Evolution", "elongations"), ("Evolution", "fillings"),
+    ("Evolution", "redraws"), ("Evolution", "apart"),
 }
 # Fields that other versions have, and `_upgraded` makes use of; and those that it fills by them.
 _USED = {("Audit", "fitness_finer"), ("Audit", "fitness_higher_order"), ("Audit", "unexplained")}

@@ -6,6 +6,7 @@ import os
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import yaml
 from mcap.reader import make_reader
@@ -26,7 +27,7 @@ _NUMBERED = re.compile(r"(.+)_(\d+)\.mcap")
 class Plain(yaml.SafeDumper):
     """Without anchors: each topic's entry can be read alone."""
 
-    def ignore_aliases(self, _):
+    def ignore_aliases(self, data: Any) -> bool:
         return True
 
 

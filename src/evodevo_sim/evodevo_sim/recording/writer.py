@@ -35,13 +35,15 @@ class Recorder:
         files are mended where they are damaged; drawn: whether to write beside cells what public tools draw.
     Raises RecordingError where it exists, or does not, or cannot be written.
 
-    Attributes: hearers: called with each message that is written.
+    Attributes: hearers: called with each message that is written; companions: names of files beside the recording which are worth nothing
+    without it.
     """
 
     def __init__(self, directory: str | os.PathLike, go_on: bool = False, drawn: bool = True):
         self.directory = Path(directory)
         self.mend = "make room and run again"  # what to do where the disk is full
         self.hearers: list[Callable[[Any], None]] = []
+        self.companions: set[str] = set()
         self._channels: dict[str, int] = {}
         self._drawn = Drawn() if drawn else None
         try:
@@ -143,7 +145,7 @@ class Recorder:
     def _finish(self) -> None:
         if not (self._channels or self._before):
             self._file.close()
-            if [path.name for path in self.directory.iterdir()] == [self._part.name]:
+            if {path.name for path in self.directory.iterdir()} <= {self._part.name, *self.companions}:
                 shutil.rmtree(self.directory, ignore_errors=True)
             return
         with self._one_line_errors():

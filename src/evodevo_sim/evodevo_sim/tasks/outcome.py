@@ -103,5 +103,5 @@ def stopped(bound: float, metrics: Metrics) -> Evaluation:
 def by_body(run: Callable[..., Any]) -> Callable[..., Any]:
     """Marks a `TaskKind.run` that sees nothing of a genome but what `life.birth` makes of it: genomes of one animal then have one
     evaluation, see `grown.Grown.key`."""
-    run.by_body = True  # type: ignore[attr-defined]
+    vars(run)["by_body"] = True
     return run

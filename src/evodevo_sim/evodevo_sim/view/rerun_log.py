@@ -53,7 +53,7 @@ def log_recording(
         log_evolution(stream, recording.statistics)
 
 
-def log_cells(stream, life: Life, palette: str) -> None:
+def log_cells(stream: Any, life: Life, palette: str) -> None:
     growth = life.growth
     lengths = [len(pose.position) for pose in growth] + [life.position.shape[1]] * len(life.time)
     if not lengths:
@@ -78,7 +78,7 @@ def _log_metres(stream, position) -> None:
     stream.log("animat/metres", strips, static=True)
 
 
-def log_springs(stream, life: Life) -> None:
+def log_springs(stream: Any, life: Life) -> None:
     times, positions = [np.array([t]) for t in life.growth_time], [pose.position[None] for pose in life.growth]
     springs = [*life.growth_springs, life.springs]
     log_lines(stream, "animat/springs", [*times, life.time], [*positions, life.position], springs, INK, 0.02)

@@ -50,7 +50,9 @@ def _bodies(life: Life) -> list:
     return views
 
 
-def from_above(name: str, origin: str, points, contents: str = "/animat/**", landscape: float = _LANDSCAPE) -> rrb.Spatial3DView:
+def from_above(
+    name: str, origin: str, points: np.ndarray, contents: str = "/animat/**", landscape: float = _LANDSCAPE,
+) -> rrb.Spatial3DView:
     """A view along -z, in which y points up (a 2D view would turn it over).
 
     Args: points (K, 2) m that it has to hold; landscape: its width, as far as we can know it, in heights.
