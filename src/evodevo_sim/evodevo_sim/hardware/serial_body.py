@@ -298,7 +298,7 @@ class SerialBody:
         elif self._mode == Mode.VENTED:
             if self.health != Health.STALE or self._wanted is not None:
                 self._say(Health.VENTED, f"the firmware vented: {names}")
-        else:
+        elif self._wanted is not None:  # or else it was armed by a person, and is vented in a moment since nobody asks for anything
             self._say(Health.FINE, "armed")
 
     def _say(self, health: Health, why: str) -> None:
