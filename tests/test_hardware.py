@@ -28,7 +28,7 @@ from evodevo_sim.hardware.protocol import (
     encode,
     lost_between,
 )
-from evodevo_sim.hardware.rig import Line, Rig, RigError, make_rig
+from evodevo_sim.hardware.rig import Line, Rig, RigError, event_of_line, make_rig
 from evodevo_sim.hardware.serial_body import Health, SerialBody
 from evodevo_sim.hardware.serial_line import LineError
 from evodevo_sim.plant import Outcome
@@ -418,6 +418,24 @@ def test_too_much_pressure_stops_the_body(at):
     _, body = at(make_rig({"events": [{"at": 0.3, "what": "pressure", "for": 0.05}]}))
     drive(body, ASKED, lambda sight: sight.state.mode == Mode.STOPPED)
     assert Health.STOPPED in at.heard and "pressure" in body.why
+
+
+def test_a_person_arms_once_and_a_stop_outlives_a_restart_of_the_firmware(at):
+    bench, body = at(make_rig({"events": [{"at": 0.3, "what": "pressure", "for": 1e6}]}))
+    drive(body, ASKED, lambda sight: sight.state.mode == Mode.STOPPED)
+    armings = []
+    bench.firmware._log = lambda line: armings.append(line) if line.endswith("-> armed") else None
+    body.rearm()
+    number = body.look().number
+    drive(body, ASKED, lambda sight: sight.number > number + 60)  # the pressure stays, and nobody arms it again
+    assert len(armings) == 1 and bench.firmware.mode == Mode.STOPPED
+    bench.emulator.happen(event_of_line("pressure 0"))
+    bench.emulator.happen(event_of_line("restart"))
+    number = body.look().number
+    drive(body, ASKED, lambda sight: sight.number > number + 60)
+    assert len(armings) == 1 and bench.firmware.boot == 2 and bench.firmware.mode == Mode.STOPPED
+    body.rearm()
+    drive(body, ASKED, lambda sight: sight.state.mode == Mode.ARMED)
 
 
 def test_a_line_that_loses_a_tenth_goes_on(at):

@@ -89,7 +89,8 @@ class SerialBody:
         self._wanted: np.ndarray | None = None  # levels by cell, before limits
         self._wanted_at, self._answers = -np.inf, -1
         self._hold = self._stop = self._closed = False
-        self._person_at = -np.inf  # s of the steady clock at which a person armed it
+        self._person_at = -np.inf  # s of the steady clock at which a person asked to arm it, until that is sent
+        self._person_sent = -np.inf  # at which it was sent, once for each time that a person asked
         self._sequence, self._sent_at = 0, time.monotonic()
         self._wake, self._waker = os.pipe()
         self._line: SerialLine | None = self._open()
@@ -207,17 +208,13 @@ class SerialBody:
 
     def _step(self, line: SerialLine) -> None:
         messages = line.wait(_LOOK, self._wake)
-        self._drain()
+        self._pause(0.0)
         for message in messages:
             if isinstance(message, State):
                 self._take(message)
             elif isinstance(message, Welcome) and message.boot != self._boot:
                 self._boot = message.boot
         self._act(line, time.monotonic())
-
-    def _drain(self) -> None:
-        if select.select([self._wake], [], [], 0.0)[0]:
-            os.read(self._wake, 4096)
 
     def _take(self, state: State) -> None:
         now, c = time.monotonic(), self.calibration
@@ -242,6 +239,8 @@ class SerialBody:
             self._news.notify_all()
         self._seen(sight)
         self._mode, self._state_at = state.mode, now
+        if state.mode == Mode.STOPPED and now - self._person_sent > _PERSON:
+            self._stop = True  # also where the firmware begins anew and has forgotten it
         if state.mode != Mode.ARMED and self.health == Health.FINE:
             self.counts.vented += 1
             if state.fault & Fault.RESTART:
@@ -260,6 +259,8 @@ class SerialBody:
             line.send(Stop())
         elif person and self._mode == Mode.STOPPED:
             line.send(Arm(True, person=True))
+            self._stop, self._person_at, self._person_sent = False, -np.inf, now
+            stop = False
             self.limiter.reset()
         if wanted is None or silent or stop:
             if self._mode == Mode.ARMED and now - self._sent_at > _LOOK:

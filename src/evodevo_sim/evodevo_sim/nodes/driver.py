@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from typing import Any
 
 import numpy as np
@@ -226,4 +225,3 @@ def activate(driver: Driver) -> None:
     for transition in (driver.trigger_configure, driver.trigger_activate):
         if transition() != TransitionCallbackReturn.SUCCESS:
             raise LineError("the driver does not come up: see its log")
-        time.sleep(0)
