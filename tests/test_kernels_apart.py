@@ -1,9 +1,13 @@
 """Kernels that others call by address: compiled once, found again from disk, and never called where they are not what they were."""
 
 import importlib
+import os
+import pty
 import subprocess
 import sys
+import termios
 import textwrap
+from contextlib import suppress
 
 import pytest
 
@@ -89,3 +93,28 @@ def test_an_entry_whose_callee_has_another_name_by_now_is_compiled_anew(apart, m
                 place(Callee("evodevo.of another time", module.__name__, name, ()))
     finally:
         sys.modules.pop("apart_inner")
+
+
+def test_a_terminal_sees_how_many_kernels_are_left(apart):
+    script = SCRIPT.replace("import apart_outer", "from evodevo_sim.kernels import progress\nprogress._DELAY = 0.0\nimport apart_outer")
+    master, slave = pty.openpty()
+    termios.tcsetwinsize(slave, (30, 100))
+    arguments = [sys.executable, "-c", script, str(apart.folder), str(apart.folder.parent / "caches" / "ours")]
+    with subprocess.Popen(arguments, stdout=subprocess.DEVNULL, stderr=slave) as process:
+        os.close(slave)
+        seen = b""
+        with suppress(OSError):  # the end of a terminal that nobody has open
+            while chunk := os.read(master, 4096):
+                seen += chunk
+        assert process.wait(timeout=300) == 0
+    os.close(master)
+    shown = seen.decode().split("\r")
+    assert any("Compiling" in line and "0/3" in line for line in shown)
+    assert not shown[-1].strip()  # it leaves nothing behind
+
+
+def test_a_processor_without_vectors_of_four_is_told_of_in_one_line(apart, monkeypatch):
+    monkeypatch.setenv("NUMBA_CPU_NAME", "x86-64")
+    monkeypatch.setenv("NUMBA_CPU_FEATURES", "")
+    value, _, _, *error = apart()
+    assert value == "51.0" and error[0].count("\n") == 1 and "AVX2" in error[0]

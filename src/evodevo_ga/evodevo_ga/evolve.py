@@ -13,7 +13,6 @@ from evodevo_sim.recording import RecordingError
 from evodevo_sim.recording.guarded import GuardedRecorder
 from evodevo_sim.ros.environment import EnvironmentFault, started
 from evodevo_sim.ros.process import stay_on_this_host
-from evodevo_sim.tasks import audit
 from evodevo_sim.tasks.evaluation import prepare
 from evodevo_sim.view.files import OutputError
 from evodevo_sim.view.run_view import RunView
@@ -87,7 +86,6 @@ def _run(options: Options, arguments: list[str], recorded: Recorded) -> int:
         executor.add_node(node)
         with times(START):
             prepare(options.task)  # before simulators start, so that they only load the kernels
-            audit.prepare(options.task)
         stack.enter_context(heeded(stop.ask))
         auditor = stack.enter_context(Auditor(options.task, options.seed))
         return Run(options, recorder, auditor, stop, times, node, executor, began, recorded=recorded).go()

@@ -8,7 +8,6 @@ finds it again, once the callee is loaded.
 
 from __future__ import annotations
 
-import gc
 import operator
 from collections.abc import Iterator
 from copy import copy
@@ -64,22 +63,6 @@ def without_constants(compiled: Dispatcher) -> None:
         return template(tuple(map(types.unliteral, arguments)), {name: types.unliteral(kind) for name, kind in keywords.items()})
 
     compiled.get_call_template = get_call_template
-
-
-def without_collecting(compiled: Dispatcher) -> None:
-    """Collect no garbage while a kernel is compiled: a twelfth of the time would go into looking at what numba makes and keeps."""
-    compile_ = compiled.compile
-
-    def compile_alone(signature):
-        if not gc.isenabled():
-            return compile_(signature)
-        gc.disable()
-        try:
-            return compile_(signature)
-        finally:
-            gc.enable()
-
-    compiled.compile = compile_alone
 
 
 def callees(result: CompileResult) -> Iterator[Callee]:

@@ -24,8 +24,9 @@ import numba
 import numpy as np
 from numba.core.dispatcher import Dispatcher
 
-from .apart import call_by_address, without_collecting, without_constants
+from .apart import call_by_address, without_constants
 from .cache import SUFFIX, KernelCache, NotKept, remove, tell_once, unwritable, why_unwritable, write_whole
+from .progress import attend
 from .sources import hash_of, package_root, sources_of_file, sources_of_package, top_folder
 
 _ROOT = package_root(Path(__file__).resolve(), __name__)
@@ -157,7 +158,8 @@ def _compiled(function, apart, **options):
         call_by_address(called)
     if not options.get("forceinline"):
         without_constants(called)
-    without_collecting(compiled)
+    attend(compiled, from_python=True)
+    attend(called, from_python=False)
     compiled.for_kernels, compiled.get_call_template, compiled.get_overload = called, called.get_call_template, called.get_overload
     return compiled
 
