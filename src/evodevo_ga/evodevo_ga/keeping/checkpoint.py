@@ -85,9 +85,10 @@ class Checkpoints:
             raise KeepingError.of(self._path, error, self._path.parent) from None
 
 
-def read_checkpoint(directory: Path) -> tuple[dict[str, Any], list[str]]:
+def read_checkpoint(directory: Path, instead: str = "") -> tuple[dict[str, Any], list[str]]:
     """The newest checkpoint of a run that is whole.
 
+    Args: instead: what can be done with a recording that has none, where that is not to begin anew from its champion.
     Returns: its `run`; what must be known of it, a line each.  Raises ResumeError.
     """
     if not directory.is_dir():
@@ -107,7 +108,7 @@ def read_checkpoint(directory: Path) -> tuple[dict[str, Any], list[str]]:
         else:
             damaged.append(path.name)
     if not whole:
-        raise ResumeError(_why_none(directory, damaged))
+        raise ResumeError(_why_none(directory, damaged, instead or f"begin anew from its champion by --start {directory}"))
     run = max(whole, key=_generation)  # of equals the first
     notes = [f"{directory / name} is damaged: going on after generation {_generation(run)}" for name in damaged if name == NAME]
     return run, notes
@@ -141,15 +142,15 @@ def _read(data: bytes, path: Path) -> dict[str, Any] | None:
         return None
 
 
-def _why_none(directory: Path, damaged: list[str]) -> str:
+def _why_none(directory: Path, damaged: list[str], instead: str) -> str:
     if damaged:
         are = "are damaged" if len(damaged) > 1 else "is damaged"
-        return f"{directory}: {' and '.join(damaged)} {are}: begin anew from its champion by --start {directory}"
+        return f"{directory}: {' and '.join(damaged)} {are}: {instead}"
     names = [path.name for path in directory.iterdir()]
     if not names:
         return f"{directory} is empty: {_A_RUN}"
     if any(name.endswith(".mcap") for name in names):
-        return f"{directory} holds a recording without a checkpoint: begin anew from its champion by --start {directory}"
+        return f"{directory} holds a recording without a checkpoint: {instead}"
     return f"{directory} holds no {NAME}: {_A_RUN}"
 
 
