@@ -206,7 +206,7 @@ def main():
                 rows.append(one)
                 budget = one["evaluations"]
                 append(options.curves, options.set, CURVE, curve)
-                keep(options.genomes, name, seed, champion)
+                keep(options.genomes, name, seed, champion, task)
             if not options.no_random:
                 found, curve = search_at_random(task, settings, seed, budget, pool)
                 rows += found
@@ -216,11 +216,11 @@ def main():
     append(options.csv, options.set, COLUMNS, rows)
 
 
-def keep(directory: str | None, name: str, seed: int, champion) -> None:
+def keep(directory: str | None, name: str, seed: int, champion, task: Task) -> None:
     """Write the genome of a champion, if that was asked for."""
     if directory:
         os.makedirs(directory, exist_ok=True)
-        save_genome(os.path.join(directory, f"{name}-{seed}.yaml"), champion.genome, {"scheme": name, "seed": seed})
+        save_genome(os.path.join(directory, f"{name}-{seed}.yaml"), champion.genome, {"scheme": name, "seed": seed}, task.development)
 
 
 def append(path: str | None, settings: list[str], columns: tuple[str, ...], rows: list[dict]) -> None:

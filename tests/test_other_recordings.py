@@ -5,14 +5,15 @@ import random
 import re
 import shutil
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import rewriting
 from evodevo_sim.commands import replay as cli
 from evodevo_sim.commands.gait import main as gait
-from evodevo_sim.parameters import Scene
-from evodevo_sim.recording import Recorder, RecordingError, read_recording
+from evodevo_sim.parameters import Scene, default_task, preset, with_settings
+from evodevo_sim.recording import Recorder, RecordingError, older, read_recording
 from evodevo_sim.recording.life import life_of
 from evodevo_sim.recording.ordering import lives
 from evodevo_sim.recording.schema import compare, types_of
@@ -23,7 +24,7 @@ from hypothesis import strategies as some
 from mcap.reader import make_reader
 from rosbags.convert.converter import convert
 
-from evodevo_msgs.msg import Audit, CellStates
+from evodevo_msgs.msg import Audit, CellStates, Task
 
 BAGS = Path(__file__).parents[1] / "bags"
 SAMPLES = ["sample-swim", "sample-walk", "sample-chemotaxis"]
@@ -254,6 +255,17 @@ def test_a_field_that_an_older_version_lacks_has_its_default_where_that_is_true(
     row = rewriting.Row("/evolution/settings", name, lacking, "", 1, data)
     found = read_recording(rewriting.write(tmp_path / "a.mcap", [row]))
     assert found.settings == message and says in found.notes[0]
+
+
+def test_growth_that_an_older_recording_does_not_tell_of_is_the_law_of_its_day(monkeypatch):
+    """Whatever the default is: no cell waited to divide."""
+    inhibited = with_settings(default_task("walk"), preset("contact_inhibition"))
+    monkeypatch.setattr(older, "default_task", lambda name: inhibited)
+    told = SimpleNamespace(name="walk", development=SimpleNamespace(variant="continual_graph", max_cells=7, division_neighbours=3))
+    law = older.message_of(told, Task).development
+    assert (law.max_cells, law.division_room, law.division_neighbours, law.waiting_turn) == (7, 0.0, 3, 0.0)
+    law = older.message_of(SimpleNamespace(name="walk"), Task).development
+    assert (law.max_cells, law.division_room, law.division_neighbours, law.waiting_turn) == (32, 0.0, 0, 0.0)
 
 
 @pytest.mark.parametrize("encoding, text", [("ros2idl", "module x {};"), ("", ""), ("ros2msg", "")])
