@@ -20,8 +20,9 @@ import numpy as np
 from evodevo_ga.archive import Archive
 from evodevo_ga.founding import bodies_of_founders
 from evodevo_ga.in_process import evaluate_all
+from evodevo_ga.usual import usual_task
 from evodevo_sim.analysis.gait import GaitError, analyse, track_of_performance
-from evodevo_sim.parameters import ParameterError, default_task, with_settings
+from evodevo_sim.parameters import ParameterError, with_settings
 from evodevo_sim.ros.command_line import pairs
 from evodevo_sim.task_kinds import names
 from evodevo_sim.tasks.audit import audit
@@ -88,7 +89,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     options = arguments(parser)
     try:
-        task = with_settings(default_task(options.task), dict(pairs(options.set)))
+        task = with_settings(usual_task(options.task), dict(pairs(options.set)))
     except ParameterError as error:
         parser.exit(2, f"illumination.py: {error}\n")
     settings = Settings(**scheme(options.scheme, options.task) | {"generations": options.generations})

@@ -149,9 +149,12 @@ def parse(arguments: list[str]) -> Options:
     from evodevo_sim.worlds import with_world
 
     from .feasible import check
+    from .usual import law_of, usual_task
 
     try:
-        task = default_task(given.task)
+        task = usual_task(given.task)
+        files = [read_genome(_genome_file(Path(place))) for place in given.start]
+        task = with_settings(task, law_of(files))
         if given.world is not None:
             task = with_world(task, given.world)
         numbers: dict[str, object] = {"development.max_cells": given.cells}
@@ -163,7 +166,6 @@ def parse(arguments: list[str]) -> Options:
         name = default_scheme(task.name, chosen, task.development.max_cells) if given.scheme is None else given.scheme
         settings = Settings(**scheme(name, task.name) | chosen)
         search_of(settings, name)
-        files = [read_genome(_genome_file(Path(place))) for place in given.start]
         start = tuple(file.genome for file in files)
         if len(start) > settings.population:
             raise ParameterError(f"--start gives {len(start)} genomes to a population of {settings.population}: give fewer")
