@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import sys
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -144,13 +145,16 @@ def parse(arguments: list[str]) -> Options:
     if given.resume is not None:
         return _resumed(parser, given, without_ros(arguments))
     from evodevo_sim.genetics.genome import GenomeError
-    from evodevo_sim.genetics.genome_file import load_genome
+    from evodevo_sim.genetics.genome_file import read_genome
     from evodevo_sim.worlds import with_world
 
     from .feasible import check
+    from .usual import law_of, usual_task
 
     try:
-        task = default_task(given.task)
+        task = usual_task(given.task)
+        files = [read_genome(_genome_file(Path(place))) for place in given.start]
+        task = with_settings(task, law_of(files))
         if given.world is not None:
             task = with_world(task, given.world)
         numbers: dict[str, object] = {"development.max_cells": given.cells}
@@ -162,14 +166,18 @@ def parse(arguments: list[str]) -> Options:
         name = default_scheme(task.name, chosen, task.development.max_cells) if given.scheme is None else given.scheme
         settings = Settings(**scheme(name, task.name) | chosen)
         search_of(settings, name)
-        start = tuple(load_genome(_genome_file(Path(place))) for place in given.start)
+        start = tuple(file.genome for file in files)
         if len(start) > settings.population:
             raise ParameterError(f"--start gives {len(start)} genomes to a population of {settings.population}: give fewer")
         check(task, settings, start)
         if given.evaluations is not None and given.evaluations < settings.population:
             raise ParameterError(f"--evaluations is {given.evaluations}: give {settings.population} or more, a batch of evaluations")
+        bred = [file.bred_otherwise(task) for file in files]
     except (ParameterError, GenomeError) as error:
         parser.error(str(error))
+    for place, other in zip(given.start, bred):
+        if other:
+            print(f"{parser.prog}: {place} was bred with {other}: give that by --set, or its body is another one", file=sys.stderr)
     out = Path(given.out or f"bags/{task.name}-{datetime.now():%Y%m%d-%H%M%S}")
     limits, sources = Limits(given.evaluations, given.hours), tuple(given.start)
     return Options(task, settings, given.seed, out, start=start, scheme=name, limits=limits, sources=sources, **_how(given))

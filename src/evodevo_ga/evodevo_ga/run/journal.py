@@ -141,4 +141,4 @@ class Journal:
             "task": task.name, "cells": task.development.max_cells, "seed": self._options.seed, "generation": generation,
             "fitness": repr(e.fitness), "distance": repr(e.metrics.distance), "audit": self.verdict,
         }
-        save_genome(self._options.out / "champion.yaml", champion.genome, about)
+        save_genome(self._options.out / "champion.yaml", champion.genome, about, task.development)

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..genetics.genome import Genome
-from ..genetics.genome_file import load_genome
-from ..parameters import ParameterError, Task, default_task, with_settings
+from ..genetics.genome_file import read_genome
+from ..parameters import ParameterError, Task
 from ..ros.messages import genome_from_message, task_from_message
 from . import RecordingError, is_recording, read_recording
 
@@ -30,14 +30,15 @@ def champion_of(
 ) -> Champion:
     """The champion of a genome file or a recording.
 
-    Args: settings: of the task of a genome file, which is the default one of `task_name`; say: called with each line that must be
-        known of a recording, e.g. that its end is missing.
+    Args: settings: of the task of a genome file, which is the default one of `task_name` with growth as the file says; say: called with
+        each line that must be known of a recording, e.g. that its end is missing.
     Raises GenomeError, ParameterError or RecordingError.
     """
     path = Path(source)
     name = Path(os.path.realpath(path)).name
     if not is_recording(path):
-        return Champion(path.stem, load_genome(path), with_settings(default_task(task_name), dict(settings)))
+        file = read_genome(path)
+        return Champion(path.stem, file.genome, file.task(task_name, settings))
     if settings:
         raise ParameterError("--set is for a genome file: a recording names its own task")
     recording = read_recording(path)
