@@ -24,6 +24,7 @@ _PANMICTIC = f"{__package__}.panmictic:Panmictic"
 _LAYERS = f"{__package__}.layers:Layers"
 _NICHES = f"{__package__}.niches:Niches"
 _ARCHIVE = f"{__package__}.archive:Archive"
+_ONE_BODY = f"{__package__}.one_body:OneBody"
 
 
 @dataclass(frozen=True)
@@ -78,6 +79,10 @@ for _scheme in (
     Scheme(
         "archive", "of unlike bodies",
         {"elongations": 12, "fillings": 6, "redraws": 8, "founders": 2500, "units": 44, "apart": 9.0, "tournament": 10}, _ARCHIVE,
+    ),
+    Scheme(
+        "one-body", "networks alone, of the body that is given",
+        {"redraws": 8, "units": 44, "apart": 9.0, "tournament": 2, "start_share": 1.0}, _ONE_BODY,
     ),
 ):
     register(_scheme)
