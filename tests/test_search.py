@@ -215,7 +215,7 @@ def test_schemes_that_cannot_work_are_refused_in_one_line(registry, capsys):
     with pytest.raises(TypeError):
         SCHEMES["climb"].settings["population"] = 3
     for arguments, says in (
-        ("--scheme newton", "scheme 'newton' is unknown: choose one of panmictic, paper, alps, niches, archive, one-body, climb"),
+        ("--scheme newton", "scheme 'newton' is unknown: choose one of panmictic, paper, alps, niches, archive, gaits, one-body, climb"),
         ("--scheme climb --layers 5", "settings.layers is 5: give 1, the search of scheme 'climb' has no layers"),
     ):
         with pytest.raises(SystemExit) as left:
