@@ -104,4 +104,4 @@ class BeatingNursery(Nursery):
 
     def new(self, genome: Genome) -> Beating:
         found = super().new(genome)
-        return Beating(*(getattr(found, field.name) for field in fields(Grown)), genome, self.task)
+        return Beating(**{field.name: getattr(found, field.name) for field in fields(Grown)}, genome=genome, task=self.task)
