@@ -205,7 +205,7 @@ def test_a_scheme_from_outside_is_told_of_in_the_help(registry, capsys):
 def test_schemes_that_cannot_work_are_refused_in_one_line(registry, capsys):
     register(Scheme("climb", "children of the champion alone", {}, Climb))
     register(Scheme("climb", "children of the champion alone", {}, Climb))  # the same once more
-    with pytest.raises(ParameterError, match=r"scheme 'climb' is taken: give yours another name than panmictic, .*, archive, climb"):
+    with pytest.raises(ParameterError, match=r"scheme 'climb' is taken: give yours another name than panmictic, .*, archive, gaits, climb"):
         register(Scheme("climb", "another", {}, Climb))
     with pytest.raises(ParameterError, match="scheme 'mine': setting 'islands' is unknown: choose one of population, generations"):
         Scheme("mine", "", {"islands": 3})
