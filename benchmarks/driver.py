@@ -17,8 +17,7 @@ from pathlib import Path
 import numpy as np
 from evodevo_sim.hardware.calibration import load_calibration
 from evodevo_sim.hardware.serial_body import SerialBody
-from evodevo_sim.hardware.trial import embody
-from evodevo_sim.live import Animat
+from evodevo_sim.hardware.trial import living
 
 from evodevo_sim import read_genome
 
@@ -42,7 +41,7 @@ def main() -> None:
                 sys.exit(2)
             time.sleep(0.05)
         body = SerialBody(str(link), load_calibration(calibration))
-        animat = Animat(file.genome, task, 0, lambda grown: embody(grown.position, body))
+        animat = living(file.genome, task, 0, body)
         end = time.monotonic() + given.seconds
         while time.monotonic() < end:
             animat.step()

@@ -1,6 +1,5 @@
 """Threads of this process and workers of a Dask cluster give the bits of the library, whatever ends, comes, goes or differs."""
 
-import os
 import signal
 import socket
 import subprocess
@@ -8,10 +7,10 @@ import sys
 import threading
 import time
 import warnings
-from contextlib import contextmanager
 
 import numpy as np
 import pytest
+from clusters import SCHEDULER, WORKER, started
 from evodevo_ga.arguments import parse
 from evodevo_ga.backends.contract import Answer, AnswerError, BackendError, Batch, NotEvaluated, WorkerLost
 from evodevo_ga.backends.dask import DaskBackend, _unlike
@@ -34,20 +33,6 @@ LONG = with_settings(Task(), {"control_steps": 10_000_000})
 SEED, DEADLINE = 3, 60.0
 ENDLESS = (load_champion("undulator"),)  # for LONG
 GENOMES = (*(random_genome(np.random.default_rng(i), 4) for i in range(7)), beating())
-# A scheduler or a worker as `dask scheduler` and `dask worker` start them, without their nannies and pages.
-SERVER = """
-import asyncio, sys
-import distributed
-{before}
-async def main():
-    async with {server} as server:
-        print(server.address, flush=True)
-        await server.finished()
-asyncio.run(main())
-"""
-SCHEDULER = "distributed.Scheduler(host='127.0.0.1', port=0, dashboard_address='127.0.0.1:0')"
-WORKER = "distributed.Worker({scheduler!r}, host='127.0.0.1', nthreads=1, dashboard_address='127.0.0.1:0')"
-
 LACKING = """
 class Without:
     def find_spec(name, path=None, target=None):
@@ -55,20 +40,6 @@ class Without:
             raise ModuleNotFoundError("No module named 'evodevo_ga'", name=name)
 sys.meta_path.insert(0, Without)
 """
-
-
-@contextmanager
-def started(server, before="", **environment):
-    """A process with a server of Dask's: (process, its address)."""
-    process = subprocess.Popen(
-        [sys.executable, "-c", SERVER.format(server=server, before=before)], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
-        env=os.environ | environment,
-    )
-    try:
-        yield process, process.stdout.readline().strip()
-    finally:
-        process.kill()
-        process.communicate()
 
 
 def until(done):
@@ -239,8 +210,8 @@ def test_versions_and_code_that_differ_are_named():
 
 def test_a_generation_goes_on_where_a_worker_is_killed_in_the_middle_with_the_bits_of_threads(cluster):
     backend, _ = cluster
-    genomes = [random_genome(np.random.default_rng(i)) for i in range(40)]
-    task = with_settings(TASK, {"control_steps": 2000})
+    genomes = [random_genome(np.random.default_rng(i)) for i in range(16)]
+    task = with_settings(TASK, {"control_steps": 1000})
     right = [evaluate(genome, task, SEED) for genome in genomes]
     local = Pool(LocalBackend(2))
     assert local.evaluate(genomes, task, SEED) == right
@@ -276,19 +247,6 @@ def evolve(directory, *arguments):
     command = [sys.executable, "-m", "evodevo_ga.evolve", "--out", str(directory), "--generations", "2", "--population", "8", "--quiet"]
     command += ["--cells", "12", "--set", "control_steps=80", "--scheme", "panmictic", *arguments]
     return subprocess.run(command, capture_output=True, text=True, timeout=4 * DEADLINE, check=False)
-
-
-def test_evolve_gives_the_same_run_by_threads_and_by_dask(cluster, tmp_path):
-    backend, _ = cluster
-    with started(WORKER.format(scheduler=backend.scheduler)):
-        ended = [
-            evolve(tmp_path / "local", "--backend", "local", "--threads", "2"),
-            evolve(tmp_path / "dask", "--backend", "dask", "--scheduler", backend.scheduler),
-        ]
-    assert {one.returncode for one in ended} <= {0, 1}, [one.stderr for one in ended]
-    assert "2 threads of this process" in ended[0].stdout and backend.scheduler in ended[1].stdout
-    local, dask = ((tmp_path / name / "champion.yaml").read_text() for name in ("local", "dask"))
-    assert local == dask
 
 
 @pytest.mark.parametrize(

@@ -3,9 +3,13 @@
 import numpy as np
 import pytest
 from evodevo_ga.layers import Layers
+from evodevo_sim.genetics.elements import HEADER
+from genomes import random_genomes
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from evodevo_ga import Evolution, Settings, diversity
-from evodevo_sim import Evaluation, Metrics, ParameterError, Status, random_genome
+from evodevo_sim import Evaluation, Genome, Metrics, ParameterError, Status, random_genome
 
 
 def evaluation(fitness):
@@ -85,6 +89,25 @@ def test_diversity_is_nought_for_clones_and_one_for_strangers():
     assert diversity([genomes[0]] * 5) == 0.0
     assert diversity(genomes) == 1.0
     assert diversity([genomes[0], genomes[0], genomes[1], genomes[1]]) == pytest.approx(2 / 3, abs=0.02)
+
+
+@given(st.lists(random_genomes(3), min_size=2, max_size=6), st.data())
+@settings(max_examples=40, deadline=None)
+def test_diversity_counts_the_pairs_that_share_an_element_whatever_its_mark(genomes, data):
+    index = st.integers(0, len(genomes) - 1)
+    for _ in range(data.draw(st.integers(0, 4))):  # some have elements of others, some twice, some with a zero of the other sign
+        one, other = genomes[data.draw(index)], genomes[data.draw(index)]
+        x = np.where(np.arange(len(other)) % 3 == 0, -0.0, other.x) if data.draw(st.booleans()) else other.x
+        columns = zip(one.arrays(), (other.kind, other.sign, x, other.y))
+        genomes.append(Genome(*(np.concatenate((a, b[HEADER:], b[HEADER:])) for a, b in columns)))
+        genomes.append(Genome(one.kind, one.sign, one.x * 0.0, -one.y * 0.0))
+    sets = [set(zip(*(values.tolist() for values in genome.arrays()))) for genome in genomes]
+    shared = sum(len(a & b) for k, a in enumerate(sets) for j, b in enumerate(sets) if k != j)
+    right = 1.0 - shared / ((len(sets) - 1) * sum(map(len, sets)))
+    assert diversity(genomes) == right
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("evodevo_ga.likeness._marks", lambda kind, *_: np.zeros(len(kind), np.uint64))  # all collide
+        assert diversity(genomes) == right
 
 
 @pytest.mark.parametrize(

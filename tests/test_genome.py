@@ -44,6 +44,34 @@ def test_malformed_elements_are_named(change, says):
         Genome(**arrays)
 
 
+@given(random_genomes(2), st.data())
+def test_arrays_are_taken_or_refused_alike_by_the_quick_look_and_by_the_thorough_one(genome, data):
+    arrays = [values.copy() for values in genome.arrays()]
+    for _ in range(data.draw(st.integers(0, 2))):
+        which, place = data.draw(st.integers(0, 3)), data.draw(st.integers(0, len(genome) - 1))
+        points = st.sampled_from([np.nan, np.inf, -np.inf, 1e6, -1e6, 1e6 + 1.0, 9e5, -0.0])
+        arrays[which][place] = data.draw([st.integers(0, 255), st.integers(-128, 127), points, points][which])
+    if data.draw(st.booleans()):
+        arrays[data.draw(st.integers(0, 3))] = arrays[data.draw(st.integers(0, 3))][: data.draw(st.integers(0, len(genome)))]
+
+    def told(*given):
+        try:
+            return Genome(*given).key()
+        except GenomeError as error:
+            return str(error)
+
+    assert told(*arrays) == told(*(values.tolist() for values in arrays))
+
+
+def test_a_genome_keeps_arrays_of_its_own():
+    first = hand_made()
+    arrays = [values.copy() for values in first.arrays()]
+    genome = Genome(*arrays)
+    for values in arrays:
+        values[:] = 0
+    assert genome == first and not any(values.flags.writeable for values in genome.arrays())
+
+
 def test_unequal_lengths_and_missing_header_are_refused():
     genome = hand_made()
     with pytest.raises(GenomeError, match="equal numbers"):

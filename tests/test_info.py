@@ -11,6 +11,7 @@ from evodevo_sim.commands import replay
 from evodevo_sim.commands.info import main
 from evodevo_sim.recording import Recorder
 from evodevo_sim.ros.topics import GROWTH_STATES, STATISTICS
+from mcap.reader import make_reader
 from std_msgs.msg import String
 
 BAGS = Path(__file__).resolve().parents[1] / "bags"
@@ -47,9 +48,12 @@ def test_a_whole_run_is_told_and_what_can_be_drawn_is_drawn(bag, told, capsys, t
     }
     [turning] = [one for one in run["drawn"] if one["command"].startswith("turning")]
     assert "not of chemotaxis" in turning["missing"]
+    of_ga = {one["command"].split()[0]: one["missing"] for one in run["drawn"] if one["package"] == "evodevo_ga"}
+    assert of_ga == {"report": "", "descent": "no history beside it", "gallery": "no archive"}
     assert main([str(bag)]) == 0
     out, _ = capsys.readouterr()
-    assert "complete" in out and "sensor_msgs/PointCloud2" in out and f"replay {bag} --show watch" in out
+    assert "complete" in out and "sensor_msgs/PointCloud2" in out and f"ros2 run evodevo_sim replay {bag} --show watch" in out
+    assert f"  ros2 run evodevo_ga report {bag} -o FILE.html" in out and f"  not descent {bag}" in out
 
 
 @pytest.mark.parametrize("kind, can", [("statistics", {"evolve"}), ("growth", {"watch", "grow"}), ("life", {"watch", "grow"})])
@@ -92,7 +96,9 @@ def test_how_a_recording_ended(bag, told, tmp_path):
     assert state("killed", whole[: len(whole) // 2]) == "cut"
     assert state("renamed", whole, metadata=False) == "unfinished"
     torn = bytearray(whole)
-    middle = len(whole) // 2
+    with (bag / "run_0.mcap").open("rb") as file:  # how many chunks there are depends on how long the writing took
+        chunk = max(make_reader(file).get_summary().chunk_indexes, key=lambda one: one.chunk_length)
+    middle = chunk.chunk_start_offset + chunk.chunk_length // 2
     torn[middle : middle + 40] = bytes(40)
     assert state("torn", bytes(torn)) == "torn"
     recordings.write(tmp_path / "stopped", lived=False)

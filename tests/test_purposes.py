@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
@@ -225,6 +226,38 @@ def test_a_picture_that_fails_ends_no_run(tmp_path, capsys):
         view.hear(msg.Champion())  # of no genome
         view.hear(msg.Champion())
     assert capsys.readouterr().out.count("the run goes on") == 1
+
+
+@contextmanager
+def stand_in(*_):
+    """A viewer that shows nothing: it waits to be ended."""
+    with subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE) as process:
+        yield process
+        process.kill()
+
+
+def test_a_viewer_that_is_closed_is_a_line_and_the_run_goes_on(monkeypatch, capfd):
+    monkeypatch.setenv("DISPLAY", ":0")
+    monkeypatch.setattr("evodevo_sim.view.run_view.opened", stand_in)
+    with RunView("run", recordings.TASK) as view:
+        view.hear(msg.GenerationStatistics())
+        view._process.kill()
+        view._process.wait()
+        for _ in range(2):
+            view.hear(msg.GenerationStatistics())
+    out, err = capfd.readouterr()
+    assert out.count("the viewer was closed; the run goes on") == 1 and "Close the viewer" not in out and "Traceback" not in err
+
+
+def test_the_view_makes_room_for_more_champions(monkeypatch, tmp_path):
+    monkeypatch.setattr("evodevo_sim.view.run_view._ROOM", 1)
+    champions = [message for _, message, _ in recordings.run_messages() if isinstance(message, msg.Champion)]
+    with RunView("run", recordings.TASK, tmp_path / "a.rrd") as view:
+        sent = []
+        view._stream.send_blueprint = sent.append
+        for message in 3 * champions[:1]:
+            view.hear(message)
+    assert len(sent) == 2  # for two, and for four
 
 
 def test_without_a_display_or_a_name_that_fits_nothing_begins(tmp_path):

@@ -22,6 +22,7 @@ import numpy as np
 from evodevo_sim import Evaluation, Genome, GenomeError, ParameterError, Status, Task
 
 from .individual import Child, Individual, genome_of_plain, individual_of_plain, plain_genome, plain_individual
+from .likeness import diversity
 from .schemes import search_of
 from .settings import Settings
 
@@ -71,7 +72,7 @@ class Evolution:
         self.start = tuple(start)
         self.scheme = scheme
         self.search = search_of(settings, scheme)
-        self.search.task = task
+        self.search.task, self.search.start = task, self.start
         self.population: list[Individual] = []
         self.children: list[Individual] = []
         self.generation = -1
@@ -81,6 +82,8 @@ class Evolution:
         self.growths = 0
         self.bars: tuple[float, ...] = ()
         self._children: list[Child] = []
+        self._keys: list[bytes] = []  # of their genomes
+        self._known: dict[bytes, Evaluation] = {}  # of the population, by its genomes
         self._asked: list[Genome] = []
 
     @property
@@ -98,12 +101,14 @@ class Evolution:
             rng = np.random.default_rng((self.seed, now))
             bred = self.search.breed(self.population, now, rng) if self.population else self.search.first(self.start, rng)
             self._children = list(_some(bred, "bred", self.scheme))
-            known = self._known()
-            self._asked = list({one.genome.key(): one.genome for one in self._children if one.genome.key() not in known}.values())
+            self._keys = [one.genome.key() for one in self._children]
+            self._known = {one.genome.key(): one.evaluation for one in self.population}
+            asked = {key: one.genome for key, one in zip(self._keys, self._children) if key not in self._known}
+            self._asked = list(asked.values())
             bars: dict[bytes, float] = {}
-            for one in self._children:
-                bars[one.genome.key()] = min(one.bar, bars.get(one.genome.key(), one.bar))
-            given = tuple(bars[genome.key()] for genome in self._asked)
+            for key, one in zip(self._keys, self._children):
+                bars[key] = min(one.bar, bars.get(key, one.bar))
+            given = tuple(bars[key] for key in asked)
             self.bars = given if any(bar > -np.inf for bar in given) else ()
         return self._asked
 
@@ -117,11 +122,12 @@ class Evolution:
         for k, evaluation in enumerate(evaluations):
             if not np.isfinite(evaluation.fitness):
                 raise ValueError(f"evaluation {k} has a fitness of {evaluation.fitness}: give a finite number")
-        known = self._known() | {genome.key(): evaluation for genome, evaluation in zip(self._asked, evaluations)}
+        keys = (key for key in dict.fromkeys(self._keys) if key not in self._known)  # as `ask` gave their genomes
+        known = self._known | dict(zip(keys, evaluations))
         before = self.champion.evaluation.fitness if self.population else -np.inf
         children = [
-            Individual(one.genome, known[one.genome.key()], one.born, one.layer, self.bred + k, one.parents, one.operators)
-            for k, one in enumerate(self._children)
+            Individual(one.genome, known[key], one.born, one.layer, self.bred + k, one.parents, one.operators)
+            for k, (key, one) in enumerate(zip(self._keys, self._children))
         ]
         settled = _some(self.search.survive(self.population, children, self.generation + 1), "settled", self.scheme)
         if any(one.evaluation.status == Status.STOPPED for one in settled):
@@ -131,7 +137,7 @@ class Evolution:
         self.generation += 1
         self.bred += len(children)
         self.growths += sum(one.growths for one in self._children)
-        self._children, self._asked, self.bars = [], [], ()
+        self._children, self._asked, self.bars, self._keys, self._known = [], [], (), [], {}
         self.evaluations += len(evaluations)
         improved = self.champion.evaluation.fitness > before
         self.stagnation = 0 if improved else self.stagnation + 1
@@ -170,9 +176,6 @@ class Evolution:
             raise ParameterError(f"state that is not whole ({what}): give what a run gave away, unchanged") from None
         return evolution
 
-    def _known(self) -> dict[bytes, Evaluation]:
-        return {one.genome.key(): one.evaluation for one in self.population}
-
     def _statistics(self, improved: bool) -> Generation:
         fitness = [one.evaluation.fitness for one in self.population]
         status = Counter(one.evaluation.status for one in self.population)
@@ -194,12 +197,3 @@ def _some(given: list, done: str, scheme: str) -> list:
     if not given:
         raise ValueError(f"the search of scheme {scheme!r} has {done} nobody: let it give one at the least")
     return given
-
-
-def diversity(genomes: list[Genome]) -> float:
-    """Mean over all pairs of the share of their elements that the two do not have in common, 0 (clones) to 1."""
-    if len(genomes) < 2:
-        return 0.0
-    carriers = Counter(element for genome in genomes for element in set(zip(*(a.tolist() for a in genome.arrays()))))
-    elements = sum(carriers.values())
-    return 1.0 - sum(n * (n - 1) for n in carriers.values()) / ((len(genomes) - 1) * elements)

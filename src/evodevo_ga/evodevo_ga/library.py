@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from .evolution import Evolution, Generation, diversity
+from .evolution import Evolution, Generation
 from .individual import Child, Individual
+from .likeness import diversity
 from .schemes import SCHEMES, Scheme, default_scheme, register, scheme
 from .search import Search
 from .settings import Settings

@@ -17,7 +17,7 @@ _SIGN_TOO, _ANYWHERE = 0.1, 0.2
 def mutate_points(genome: Genome, rng: np.random.Generator, probability: float, scale: float) -> Genome:
     """Move each element's point with `probability`, in a random direction by |N(0, scale)|."""
     moved = rng.random(len(genome)) < probability
-    if not moved.any():
+    if not np.count_nonzero(moved):
         return genome
     direction = rng.uniform(0.0, 2.0 * np.pi, len(genome))
     length = np.where(moved, np.abs(rng.normal(0.0, scale, len(genome))), 0.0)
@@ -48,7 +48,7 @@ def flip(genome: Genome, rng: np.random.Generator, probability: float) -> Genome
     """With `probability` each, change the sign of an element, and turn a transcription factor into a morphogen or back."""
     signs = rng.random(len(genome)) < probability
     kinds = (rng.random(len(genome)) < probability) & (genome.kind >= TRANSCRIPTION_FACTOR)
-    if not (signs.any() or kinds.any()):
+    if not (np.count_nonzero(signs) or np.count_nonzero(kinds)):
         return genome
     swapped = np.where(kinds, TRANSCRIPTION_FACTOR + MORPHOGEN - genome.kind, genome.kind)
     return Genome(swapped, np.where(signs, -genome.sign, genome.sign), genome.x, genome.y)

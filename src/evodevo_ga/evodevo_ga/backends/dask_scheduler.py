@@ -32,7 +32,9 @@ def imported() -> Any:
         import distributed
     except ModuleNotFoundError as error:
         raise BackendError(str(lacking(error))) from None
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # its pages of warnings; what counts is said here
+    for name in ("distributed", *logging.root.manager.loggerDict):
+        if name.partition(".")[0] == "distributed":
+            logging.getLogger(name).setLevel(logging.CRITICAL)  # its pages of warnings; what counts is said here
     return distributed
 
 

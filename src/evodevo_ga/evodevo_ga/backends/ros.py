@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import Future
+from copy import copy
 from typing import Any
 
 import rclpy
@@ -55,7 +56,7 @@ class RosBackend(Backend):
         self._simulators: dict[str, Simulator] = {}
         self._named = list(services)
         self._looked = self._looked_at_all = self._looked_last = 0.0
-        self._task: tuple[Task, Any] | None = None
+        self._asking: tuple[Task, Any] | None = None
 
     @property
     def workers(self) -> Mapping[str, int]:
@@ -111,16 +112,16 @@ class RosBackend(Backend):
             future.set_exception(NotEvaluated(worker, "it is gone"))
             return future
         with self._times(MESSAGES):
-            genomes = [genome_message(genome) for genome in batch.genomes]
-            return one.submit(
-                Evaluate.Request(task=self._message_of(batch.task), seed=batch.seed, genomes=genomes, bars=list(batch.bars))
-            )
+            request = self._request_for(batch.task)
+            request.seed, request.bars = batch.seed, list(batch.bars)
+            request.genomes = [genome_message(genome) for genome in batch.genomes]
+            return one.submit(request)
 
-    def _message_of(self, task: Task) -> Any:
-        """Of one task after the other, made once."""
-        if self._task is None or self._task[0] is not task:
-            self._task = task, task_message(task)
-        return self._task[1]
+    def _request_for(self, task: Task) -> Any:
+        """A new request.  Of one task after the other the message is made once: it takes as long as those of a hundred genomes."""
+        if self._asking is None or self._asking[0] is not task:
+            self._asking = task, Evaluate.Request(task=task_message(task))
+        return copy(self._asking[1])
 
     def _of(self, worker: str) -> Simulator | None:
         return next((one for one in self._simulators.values() if one.name == worker), None)

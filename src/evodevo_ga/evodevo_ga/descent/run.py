@@ -75,6 +75,6 @@ def _grown(genome: Genome, task: Task) -> tuple[np.ndarray, np.ndarray]:
 
 def check(directory: Path) -> None:
     """Raises ResumeError where a directory is not that of a run with a history."""
-    read_checkpoint(directory)  # says what else it is
+    read_checkpoint(directory, f"`ros2 run evodevo_sim replay {directory} --show evolve` shows its champions")  # says what else it is
     if not (directory / "hall_of_fame").is_dir():
         raise ResumeError(f"{directory} has no history yet: it is there after ten generations, or when the run has ended")

@@ -68,7 +68,7 @@ def read_content(directory: Path) -> tuple[Content, list[str]]:
     Returns: it; what must be known of the checkpoint, a line each.  Raises ResumeError where the directory is not that of a run,
     GalleryError where the run has no archive, or nobody lives in it.
     """
-    run, notes = read_checkpoint(directory)
+    run, notes = read_checkpoint(directory, f"`ros2 run evodevo_sim replay {directory} --show evolve` shows its champions")
     try:
         task, found = task_of_plain(run["task"]), run["evolution"]
         settings = Settings(**{field.name: found["settings"][field.name] for field in dataclasses.fields(Settings)})

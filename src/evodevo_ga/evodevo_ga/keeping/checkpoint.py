@@ -1,7 +1,7 @@
 """Checkpoints: all that a run is after a generation, in a file of JSON that goes on with the same bits.
 
     {"evodevo_checkpoint":1,"program":"0.4.0","code":"…","sha256":"…",
-    "run":{"settings_hash":…,"task":…,"limits":…,"sources":…,"champion":…,"history":…,"evolution":…}}
+    "run":{"settings_hash":…,"task":…,"limits":…,"sources":…,"rig":…,"champion":…,"history":…,"evolution":…}}
 
 The hash is that of everything behind the first line: `tail -n +2 checkpoint.json | sha256sum`.  What the file holds follows from the
 run alone, without times and names of computers, so that two runs are equal where their files are.
@@ -47,14 +47,18 @@ def settings_hash(evolution: Evolution, task: Task) -> str:
 class Checkpoints:
     """Writes the checkpoints of a run.
 
-    Args: sources: names of the files that the start genomes came from; files: the calls of the file system.
+    Args: sources: names of the files that the start genomes came from; files: the calls of the file system; rig:
+        namespace of the driver whose body evaluates, if it is one.
     """
 
-    def __init__(self, directory: Path, evolution: Evolution, task: Task, limits: Limits, sources: tuple[str, ...], files: Files = FILES):
+    def __init__(
+        self, directory: Path, evolution: Evolution, task: Task, limits: Limits, sources: tuple[str, ...], files: Files = FILES,
+        rig: str = "",
+    ):
         self._path, self._files, self._evolution, self._texts = directory / NAME, files, evolution, Texts()
         about = {
             "settings_hash": settings_hash(evolution, task), "task": dataclasses.asdict(task), "limits": dataclasses.asdict(limits),
-            "sources": sources,
+            "sources": sources, "rig": rig,
         }
         self._head = ",\n".join(f'"{name}":{compact(value)}' for name, value in about.items())
         self._start = listed([compact(plain_genome(genome)) for genome in evolution.start])
@@ -85,9 +89,10 @@ class Checkpoints:
             raise KeepingError.of(self._path, error, self._path.parent) from None
 
 
-def read_checkpoint(directory: Path) -> tuple[dict[str, Any], list[str]]:
+def read_checkpoint(directory: Path, instead: str = "") -> tuple[dict[str, Any], list[str]]:
     """The newest checkpoint of a run that is whole.
 
+    Args: instead: what can be done with a recording that has none, where that is not to begin anew from its champion.
     Returns: its `run`; what must be known of it, a line each.  Raises ResumeError.
     """
     if not directory.is_dir():
@@ -107,7 +112,7 @@ def read_checkpoint(directory: Path) -> tuple[dict[str, Any], list[str]]:
         else:
             damaged.append(path.name)
     if not whole:
-        raise ResumeError(_why_none(directory, damaged))
+        raise ResumeError(_why_none(directory, damaged, instead or f"begin anew from its champion by --start {directory}"))
     run = max(whole, key=_generation)  # of equals the first
     notes = [f"{directory / name} is damaged: going on after generation {_generation(run)}" for name in damaged if name == NAME]
     return run, notes
@@ -141,15 +146,15 @@ def _read(data: bytes, path: Path) -> dict[str, Any] | None:
         return None
 
 
-def _why_none(directory: Path, damaged: list[str]) -> str:
+def _why_none(directory: Path, damaged: list[str], instead: str) -> str:
     if damaged:
         are = "are damaged" if len(damaged) > 1 else "is damaged"
-        return f"{directory}: {' and '.join(damaged)} {are}: begin anew from its champion by --start {directory}"
+        return f"{directory}: {' and '.join(damaged)} {are}: {instead}"
     names = [path.name for path in directory.iterdir()]
     if not names:
         return f"{directory} is empty: {_A_RUN}"
     if any(name.endswith(".mcap") for name in names):
-        return f"{directory} holds a recording without a checkpoint: begin anew from its champion by --start {directory}"
+        return f"{directory} holds a recording without a checkpoint: {instead}"
     return f"{directory} holds no {NAME}: {_A_RUN}"
 
 

@@ -32,7 +32,7 @@ from .files import FILES, Files, replace_file
 from .text import compact, listed
 
 EVERY = 10  # generations, at whose ends the parts are written
-MOST_ROWS = 20_000  # of a part, after which the next one begins
+MOST_ROWS = 5_000  # of a part, after which the next one begins
 _REAL, _WHOLE, _TEXT, _TRUTH = pa.float64(), pa.int64(), pa.string(), pa.bool_()
 _MAIN = ("cells", "springs", "chambers", "distance", "distance_second_half", "slowest_window", "activation_amplitude")
 

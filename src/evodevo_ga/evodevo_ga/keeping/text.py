@@ -15,7 +15,7 @@ from evodevo_sim import Genome
 from ..individual import Individual
 
 _ZERO = np.uint8(ord("0"))
-_MOST_NUMBERS = 400_000  # whose texts are remembered
+_NUMBERS = 10_000  # whose texts are remembered, or twice as many as individuals have
 
 compact = json.JSONEncoder(separators=(",", ":"), allow_nan=False).encode
 
@@ -42,14 +42,15 @@ class Texts:
 
     def of(self, individuals: Iterable[Individual]) -> list[str]:
         """The text of each."""
-        if len(self._numbers) > _MOST_NUMBERS:
-            self._numbers.clear()
-        known, texts = {}, []
+        known, texts, numbers = {}, [], 0
         for one in individuals:
+            numbers += 2 * len(one.genome)
             found = self._known.get(id(one))  # the individual beside it lives, so that nobody else has its id
             known[id(one)] = found if found is not None else (one, self._text(one))
             texts.append(known[id(one)][1])
         self._known, self._genomes = known, {}
+        if len(self._numbers) > max(_NUMBERS, 2 * numbers):
+            self._numbers.clear()
         return texts
 
     def _text(self, one: Individual) -> str:

@@ -13,7 +13,7 @@ import math
 import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import CancelledError
+from concurrent.futures import CancelledError, ThreadPoolExecutor
 from pathlib import Path
 
 from evodevo_sim.inputs import one_line
@@ -23,7 +23,7 @@ from evodevo_sim import Evaluation, Genome, Task
 
 from ..backends.contract import AnswerError, Backend, BackendError, NotEvaluated, WorkerLost
 from .pace import Pace
-from .proof import best_of, prove, whole
+from .proof import Proofs, prove, whole
 from .quarantine import set_apart
 from .trial import Judge, Trials, judged
 from .vigil import PoolError, Vigil, raise_if_hopeless
@@ -57,6 +57,7 @@ class Pool:
         self._rejected: set[str] = set()
         self._rests: dict[str, float] = {}  # s, until when
         self._trials = Trials(judge)
+        self._threads_here = ThreadPoolExecutor(1, "proof")  # none is started before there is work
         self._looked = time.monotonic()
         self._vigil = Vigil(say, give_up_after)
 
@@ -73,9 +74,10 @@ class Pool:
         Args: best: fitness from which on the best of these genomes is evaluated here too; bars: see `Batch`.
         """
         work = Work(genomes, task, seed, bars)
+        proofs = None if self.backend.trusted else Proofs(work, best)
         try:
-            while self._share(work, stop):
-                if self._best_is_right(work, best):
+            while self._share(work, stop, proofs):
+                if self._best_is_right(work, proofs):
                     return [one for one in work.results if one is not None]  # all, since nothing is left
             return None
         finally:
@@ -91,7 +93,7 @@ class Pool:
 
     # --- one round after the other ----------------------------------------------------------------------------------------
 
-    def _share(self, work: Work, stop: Callable[[], bool]) -> bool:
+    def _share(self, work: Work, stop: Callable[[], bool], proofs: Proofs | None) -> bool:
         """Have all that is left evaluated.  Returns: False where `stop()` said to stop."""
         self._looked = time.monotonic()
         while work.left:
@@ -106,6 +108,8 @@ class Pool:
                 if one in self._open:  # or else its worker was lost with another one
                     self._take(one, work)
             self._take_verdicts(work)
+            if proofs:
+                proofs.begin(self._threads_here)
         return True
 
     def _workers(self) -> dict[str, int]:
@@ -234,18 +238,14 @@ class Pool:
             if doubter not in self._rejected:
                 self._reject(doubter, f"it calls a genome invalid that {one.worker} evaluates", work)
 
-    def _best_is_right(self, work: Work, best: float) -> bool:
-        """Whether the best of a generation, if it is better than `best`, is so by our own evaluation too; else who gave it is sent away."""
-        found = None if self.backend.trusted else best_of(work)
-        if found is None or not found[1].fitness > best or found[0] not in work.by:
+    def _best_is_right(self, work: Work, proofs: Proofs | None) -> bool:
+        """Whether the best of a generation, where it would be champion, is so by our own evaluation; else who gave it is sent away."""
+        wrong = proofs.wrong() if proofs else None
+        if wrong is None:
             return True
-        place, evaluation = found
-        try:
-            prove(place, evaluation, work)
-        except AnswerError as error:
-            self._reject(work.by[place], str(error), work)
-            return False
-        return True
+        place, why = wrong
+        self._reject(work.by[place], why, work)
+        return False
 
     # --- losing -----------------------------------------------------------------------------------------------------------
 

@@ -115,8 +115,8 @@ def _drawn(recording, life, path: Path) -> list[dict[str, str]]:
 
     named = shlex.quote(str(path))
 
-    def row(command: str, missing: str) -> dict[str, str]:
-        return {"command": command, "missing": missing}
+    def row(command: str, missing: str, package: str = "evodevo_sim") -> dict[str, str]:
+        return {"package": package, "command": command, "missing": missing}
 
     lives = "" if len(life.time) else "no motion of a body"
     task = recording.settings.task.name if recording.settings is not None else ""
@@ -135,6 +135,17 @@ def _drawn(recording, life, path: Path) -> list[dict[str, str]]:
             "work-precision": network or ("a run on ground, where contacts are chaotic" if life.scene is not None else ""),
         }
         rows += [row(f"figure {kind} {named} -o FILE", missing) for kind, missing in needs.items()]
+    if find_spec("evodevo_ga"):
+        run = "" if recording.settings is not None and recording.statistics else "no generations of a run"
+        scheme = recording.settings.scheme if recording.settings is not None else ""
+        beside = path if path.is_dir() else path.parent
+        kept = "" if (beside / "hall_of_fame").is_dir() else "no history beside it"
+        archive = "" if scheme == "archive" else f"a run of scheme {scheme}, not of an archive" if scheme else "no archive"
+        rows += [
+            row(f"report {named} -o FILE.html", run, "evodevo_ga"),
+            row(f"descent {shlex.quote(str(beside))} -o FILE", run or kept, "evodevo_ga"),
+            row(f"gallery {shlex.quote(str(beside))} -o FILE", run or archive, "evodevo_ga"),
+        ]
     return rows
 
 
@@ -176,10 +187,10 @@ def _show(told: dict[str, Any]) -> None:
         topics.add_row(one["topic"], one["type"].replace("/msg/", "/"), f"{one['messages']:,}", "here" if one["read"] else "by others")
     console.print("\nTopics", style="bold")
     console.print(topics)
-    console.print("\nWhat can be drawn from it (ros2 run evodevo_sim ...)", style="bold")
+    console.print("\nWhat can be drawn from it", style="bold")
     for one in told["drawn"]:
         if not one["missing"]:
-            console.print(f"  {one['command']}", soft_wrap=True, markup=False)
+            console.print(f"  ros2 run {one['package']} {one['command']}", soft_wrap=True, markup=False)
     for one in told["drawn"]:
         if one["missing"]:
             console.print(f"  not {one['command']}: {one['missing']}", style="dim", soft_wrap=True, markup=False)

@@ -1,7 +1,7 @@
 """The calibration of a body: which channel and which marker is which cell, and what levels and marks mean (docs/guide/hardware.md).
 
     name: eel
-    position: [[0, 0], [1, 0], [0.5, 0.87]]   # m, of each cell at rest: which body this is
+    position: [[0, 0], [1, 0], [0.5, 0.87]]   # m, of each cell at rest, as it grew: which body this is
     channel: [0, 1, 2]                        # of each cell
     marker: [0, 1, 2]                         # likewise
     levels: {vent: 10, rest: 30, span: 20, least: 10, most: 50, rate: 400}   # each one number, or one for each cell
@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 import yaml
 
+from ..development.shape import farthest_cell
 from ..inputs import InputError, nearest, shown
 from ..text_file import parsed, read_text
 from .protocol import MOST_CHANNELS
@@ -107,14 +108,12 @@ class Calibration:
         return found
 
     def why_not(self, position: np.ndarray) -> str:
-        """Why a grown body with cells at `position` (M, 2) m is not this one, or nothing.  It may stand elsewhere, but not turned."""
+        """Why a body whose cells grew at `position` (M, 2) m is not this one, or nothing.  It may stand elsewhere, but not turned."""
         if len(position) != self.cells:
             return f"it grows {len(position)} cells, and the body {shown(self.name, 40)} has {self.cells}"
-        off = (position - position.mean(0)) - (self.position - self.position.mean(0))
-        far = np.hypot(*off.T)
-        worst = int(far.argmax())
-        if far[worst] > SAME_PLACE:
-            where = f"{far[worst]:.2g} m from where the body {shown(self.name, 40)} has it"
+        worst, far = farthest_cell(position, self.position)
+        if far > SAME_PLACE:
+            where = f"{far:.2g} m from where the body {shown(self.name, 40)} has it"
             return f"its cell {worst} grows {where}, more than {SAME_PLACE:g} m"
         return ""
 

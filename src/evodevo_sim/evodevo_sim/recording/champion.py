@@ -16,13 +16,14 @@ from . import RecordingError, is_recording, read_recording
 
 @dataclass(frozen=True)
 class Champion:
-    """name; genome; task; seed; fitness as recorded, or None."""
+    """name; genome; task; seed; fitness as recorded, or None; hardware: name of the body on which it was recorded, if that is one."""
 
     name: str
     genome: Genome
     task: Task
     seed: int = 0
     fitness: float | None = None
+    hardware: str = ""
 
 
 def champion_of(
@@ -50,4 +51,6 @@ def champion_of(
     for line in recording.notes:
         say(line)
     champion, run = recording.champions[-1], recording.settings
-    return Champion(name, genome_from_message(champion.genome), task_from_message(run.task), run.seed, champion.evaluation.fitness)
+    genome, task = genome_from_message(champion.genome), task_from_message(run.task)
+    hardware = recording.channels.name or "body" if recording.channels is not None else ""
+    return Champion(name, genome, task, run.seed, champion.evaluation.fitness, hardware)

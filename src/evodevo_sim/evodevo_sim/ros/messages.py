@@ -24,6 +24,8 @@ from ..parameters import Scene, Task, default_task
 from ..task_kinds import names
 from ..tasks.outcome import Evaluation, Metrics, Status
 
+_of_late: dict[str, tuple[msg.Task, Task]] = {}  # by name, of which there are few, the last one that was asked for
+
 
 def task_message(task: Task) -> msg.Task:
     """The message of a task."""
@@ -40,10 +42,15 @@ def task_of_request(message: msg.Task) -> Task:
 
     Where every field but the name is 0 or empty, as in a message that nobody has filled, it is the default task of that name, and of
     no name the one to swim: a task of zeros could not run.  Any other message is taken as it is.  Raises ParameterError.
+
+    The same again is the same object: requests of a run are for one task.
     """
-    if message == msg.Task(name=message.name):
-        return default_task(message.name or names()[0])
-    return task_from_message(message)
+    known = _of_late.get(message.name)
+    if known is not None and known[0] == message:
+        return known[1]
+    task = default_task(message.name or names()[0]) if message == msg.Task(name=message.name) else task_from_message(message)
+    _of_late[message.name] = message, task
+    return task
 
 
 def scene_message(scene: Scene) -> msg.Scene:
@@ -65,7 +72,7 @@ def genome_message(genome: Genome) -> msg.Genome:
 
 def genome_from_message(message: msg.Genome) -> Genome:
     """The genome of a message.  Raises GenomeError that names the element and how to mend it."""
-    return Genome(message.kind, message.sign, message.x, message.y)
+    return Genome(*(np.asarray(values) for values in (message.kind, message.sign, message.x, message.y)))  # arrays without a copy
 
 
 def evaluation_message(evaluation: Evaluation) -> msg.Evaluation:

@@ -51,6 +51,10 @@ class Gallery:
         self._names: list[str] = []
         self._last: Any = None
 
+    def __len__(self) -> int:
+        """Champions in it."""
+        return len(self._cells)
+
     def add(self, champion: Any, show: bool = True) -> None:
         """Take a Champion message; show: whether the gallery is logged with it, from its generation on."""
         genome = genome_from_message(champion.genome)

@@ -10,9 +10,9 @@ from typing import Any
 from ..parameters import Task
 from .files import OutputError, check
 from .palettes import DEFAULT
-from .viewer import NO_RERUN, free_port, has_display, is_installed, opened, switched_on
+from .viewer import NO_RERUN, free_port, has_display, is_installed, opened, silent, switched_on
 
-_ROOM = 18  # champions that the gallery shows at once
+_ROOM = 18  # champions that the gallery shows at once; twice as many, and so on, when there are more
 
 
 class RunView:
@@ -31,10 +31,12 @@ class RunView:
             check(Path(path), ".rrd")
         self._name, self._task, self._path, self._palette = name, task, path, palette
         self._stack = ExitStack()
+        self._room = _ROOM
         self._fails = ""  # why it shows nothing any more
 
     def __enter__(self) -> RunView:
-        import rerun as rr
+        with silent():
+            import rerun as rr
 
         from . import evolve_view
 
@@ -49,7 +51,7 @@ class RunView:
             self._stream.set_sinks(rr.GrpcSink(f"rerun+http://127.0.0.1:{port}/proxy"))
         evolve_view.style(self._stream)
         self._gallery = evolve_view.Gallery(self._stream, self._task, self._palette)
-        self._stream.send_blueprint(evolve_view.blueprint(self._gallery, _ROOM))
+        self._lay_out()
         self._tell(f"# {self._name}\n\nThe first generation is being evaluated.\n")
         return self
 
@@ -68,14 +70,26 @@ class RunView:
 
         if self._fails:
             return
+        if not self._path and self._process.poll() is not None:
+            self._fails = "closed"
+            print("evolve: the viewer was closed; the run goes on", flush=True)
+            return
         try:
             if isinstance(message, msg.GenerationStatistics):
                 self._generation(message)
             elif isinstance(message, msg.Champion):
                 self._gallery.add(message)
+                if len(self._gallery) > self._room:
+                    self._room *= 2
+                    self._lay_out()
         except Exception as error:
             self._fails = f"{type(error).__name__}: {error}"
             print(f"evolve: --view shows no more ({self._fails[:120]}); the run goes on", flush=True)
+
+    def _lay_out(self) -> None:
+        from . import evolve_view
+
+        self._stream.send_blueprint(evolve_view.blueprint(self._gallery, self._room))
 
     def _generation(self, s: Any) -> None:
         self._stream.set_time("generation", sequence=s.generation)

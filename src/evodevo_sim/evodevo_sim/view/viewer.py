@@ -73,6 +73,18 @@ def switched_on() -> Iterator[None]:
 
 
 @contextmanager
+def silent() -> Iterator[None]:
+    """Rerun, if it is imported here first, logs nothing of its own, as where its viewer is closed, unless the environment asks it to."""
+    asked = "RUST_LOG" in os.environ
+    os.environ.setdefault("RUST_LOG", "off")
+    try:
+        yield
+    finally:
+        if not asked:
+            del os.environ["RUST_LOG"]
+
+
+@contextmanager
 def opened(*arguments: str | os.PathLike) -> Iterator[subprocess.Popen]:
     """The viewer, as a context that ends it.  Nothing leaves this host.  Yields its process."""
     import rerun_cli
