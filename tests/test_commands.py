@@ -44,7 +44,7 @@ BUSY = {
     "simulator": [],
     "turning": [CHAMPIONS / "seeker.yaml"] * 200,
 }
-MOMENTS = (0.0, 0.03, 0.07, 0.15, 0.25, 0.4, 0.6, 0.9, 1.3, 2.0)  # s after signals are heard
+MOMENTS = (0.0, 0.03, 0.07, 0.15, 0.3, 0.6, 1.0, 1.7)  # s after signals are heard; what is not in BUSY ends within the first ones
 HEARD_WITHIN = 0.3  # s of processor time
 DEADLINE = 60.0  # s; the machine may be busy
 
@@ -107,7 +107,10 @@ def interrupted(name, moment, number, directory):
 
 
 def test_ctrl_c_at_any_moment_ends_every_command_in_good_order(tmp_path):
-    cases = [(name, moment, signal.SIGINT, tmp_path / f"{name}-{moment}") for moment in MOMENTS for name in COMMANDS]
+    cases = [
+        (name, moment, signal.SIGINT, tmp_path / f"{name}-{moment}")
+        for moment in MOMENTS for name in COMMANDS if name in BUSY or moment in MOMENTS[::2][:3]
+    ]
     heard = dict.fromkeys(COMMANDS, 0)
     for (name, moment, _, directory), (at_work, code, out, err, spent) in zip(cases, side_by_side(interrupted, cases)):
         case = f"{name} after {moment} s: {code}\n{out}\n{err}"

@@ -331,6 +331,17 @@ def test_a_checkpoint_of_another_version_or_of_another_hand_is_one_line(tmp_path
     assert says in str(error.value) and len(str(error.value)) <= 280 and "\n" not in str(error.value)
 
 
+@pytest.mark.parametrize("change", [{"program": "9.9.9"}, {"code": "0123456789abcdef"}])
+def test_a_checkpoint_of_other_code_can_be_drawn_and_a_note_says_so(tmp_path, change):
+    run = Run(tmp_path, Crashing()).go(2)
+    changed(tmp_path, lambda first, _: first.update(change))
+    found, notes = read_checkpoint(tmp_path, "look at it")
+    assert found["evolution"]["generation"] == run.evolution.generation and len(notes) == 1 and "of other code" in notes[0]
+    changed(tmp_path, lambda first, _: first.update(evodevo_checkpoint=2))
+    with pytest.raises(ResumeError, match="format 2"):
+        read_checkpoint(tmp_path, "look at it")
+
+
 def test_directories_that_hold_no_run_are_told_by_what_they_are(tmp_path):
     for name in ("empty", "foreign", "older", "damaged"):
         (tmp_path / name).mkdir()

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from evodevo_ga.backends.ros import find_simulators
 from evodevo_ga.in_process import evaluate_all
+from evodevo_ga.status import main as status_here
 from evodevo_sim.parameters import with_settings
 from evodevo_sim.recording import read_recording
 from evodevo_sim.ros.host import has_ended, process_identity, runs
@@ -166,7 +167,7 @@ def test_a_request_that_is_asked_again_is_evaluated_once_and_threads_keep_the_or
         assert told[-1].evaluations == 5 and told[-1].faults == 0 and told[-1].threads == 2 and has_ended(told[-1].process) is False
 
 
-def test_status_shows_who_is_there_and_says_where_nobody_is():
+def test_status_shows_who_is_there_and_says_where_nobody_is(capsys):
     name = f"/status_{os.getpid()}"
     command = [sys.executable, "-c", "import sys; from evodevo_ga.status import main; sys.exit(main(sys.argv[1:]))"]
 
@@ -181,8 +182,10 @@ def test_status_shows_who_is_there_and_says_where_nobody_is():
     done = status("--look", "0.2")
     assert done.returncode in (0, 1) and (done.returncode == 0) == (done.stderr == ""), done.stderr  # what was killed is listed for a while
     for bad in ("0", "nan", "much"):
-        done = status("--look", bad)
-        assert done.returncode == 2 and done.stderr.count("\n") == 1 and "--look" in done.stderr
+        with pytest.raises(SystemExit) as left:
+            status_here(["--look", bad])
+        said = capsys.readouterr().err
+        assert left.value.code == 2 and said.count("\n") == 1 and "--look" in said
 
 
 def test_own_simulators_are_started_anew_under_another_name_until_they_end_too_often(tmp_path, monkeypatch):

@@ -27,6 +27,7 @@ from evodevo_sim import Task, load_genome
 GENERATIONS = 24
 SMALL = ["--population", "14", "--cells", "8", "--seed", "3", "--set", "control_steps=80", "--quiet"]
 TASK = with_settings(Task(), {"development.max_cells": 8, "control_steps": 80})
+HERE = ("--backend", "local", "--threads", "1")  # where it is not about nodes
 
 
 class Undisturbed:
@@ -54,7 +55,8 @@ def undisturbed(tmp_path_factory):
 
 
 def start(*arguments, **popen):
-    command = [sys.executable, "-m", "evodevo_ga.evolve", "--simulators", "1", *map(str, arguments)]
+    who = () if "--backend" in arguments else ("--simulators", "1")
+    command = [sys.executable, "-m", "evodevo_ga.evolve", *who, *map(str, arguments)]
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **popen)
 
 
@@ -129,16 +131,16 @@ def test_a_run_that_is_killed_twice_and_resumed_is_the_run_that_was_not(tmp_path
 
 def test_a_run_goes_on_after_ctrl_c_after_budgets_and_beyond_its_generations(tmp_path, undisturbed):
     directory = tmp_path / "run"
-    code, stdout, stderr = run(*SMALL, "--generations", "12", "--evaluations", "40", "--out", directory)
+    code, stdout, stderr = run(*SMALL, *HERE, "--generations", "12", "--evaluations", "40", "--out", directory)
     done = next(s.generation for s in undisturbed.statistics if s.evaluations >= 40)
     assert code == 0 and kept(directory) == done and f"{done + 1} generations" in stdout, stderr
     assert "(ended by --evaluations 40: give more)" in stdout
-    with start("--resume", directory, "--evaluations", "100000") as process:
+    with start("--resume", directory, *HERE, "--evaluations", "100000") as process:
         until(process, directory, done + 2)
         process.terminate()
         stdout, stderr = process.communicate(timeout=DEADLINE)
     assert process.returncode in (0, 130), stderr  # it may have been at its end
-    code, stdout, stderr = run("--resume", directory, "--generations", GENERATIONS, "--quiet")
+    code, stdout, stderr = run("--resume", directory, *HERE, "--generations", GENERATIONS, "--quiet")
     assert code == 0, stderr
     content = json.loads(b"{" + (directory / NAME).read_bytes().partition(b"\n")[2])
     assert content["run"]["limits"] == {"evaluations": 100000, "hours": None}
@@ -150,13 +152,13 @@ def test_a_run_goes_on_after_ctrl_c_after_budgets_and_beyond_its_generations(tmp
 
 def test_a_full_disk_ends_a_run_with_one_line_and_it_goes_on_once_there_is_room(tmp_path, undisturbed):
     directory = tmp_path / "run"
-    with start(*SMALL, "--generations", GENERATIONS, "--out", directory) as process:
+    with start(*SMALL, *HERE, "--generations", GENERATIONS, "--out", directory) as process:
         until(process, directory, 3)
         resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (1000, resource.RLIM_INFINITY))  # bytes of a file: the kernel refuses more
         _, stderr = process.communicate(timeout=DEADLINE)
     last = stderr.splitlines()[-1]
     assert process.returncode == 2 and "File too large" in last and f"evolve --resume {directory}" in last and len(last) <= 300, stderr
     assert [name for name in os.listdir(directory) if name.endswith(".new")] == [] and 0 <= kept(directory) < GENERATIONS - 1
-    code, _, stderr = run("--resume", directory, "--quiet")
+    code, _, stderr = run("--resume", directory, *HERE, "--quiet")
     assert code == 0, stderr
     same(directory, undisturbed)

@@ -31,7 +31,7 @@ def descent(directory: Path, number: int | None = None) -> Lineage:
 
 def draw_descent(directory: Path, path: str | os.PathLike, number: int | None = None) -> str:
     """Draw the descent of a run's champion.  Returns: it in a line.  Raises ResumeError."""
-    run, _ = read_checkpoint(directory)
+    run, _ = read_checkpoint(directory, _shows(directory))
     found = descent(directory, number)
     generations, fame = read_table(directory, "generations"), read_table(directory, "hall_of_fame").to_pylist()
     bodies = _bodies(found, fame, task_of_plain(run["task"]))
@@ -75,6 +75,10 @@ def _grown(genome: Genome, task: Task) -> tuple[np.ndarray, np.ndarray]:
 
 def check(directory: Path) -> None:
     """Raises ResumeError where a directory is not that of a run with a history."""
-    read_checkpoint(directory, f"`ros2 run evodevo_sim replay {directory} --show evolve` shows its champions")  # says what else it is
+    read_checkpoint(directory, _shows(directory))  # says what else it is
     if not (directory / "hall_of_fame").is_dir():
         raise ResumeError(f"{directory} has no history yet: it is there after ten generations, or when the run has ended")
+
+
+def _shows(directory: Path) -> str:
+    return f"`ros2 run evodevo_sim replay {directory} --show evolve` shows its champions"

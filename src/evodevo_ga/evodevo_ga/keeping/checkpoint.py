@@ -92,13 +92,15 @@ class Checkpoints:
 def read_checkpoint(directory: Path, instead: str = "") -> tuple[dict[str, Any], list[str]]:
     """The newest checkpoint of a run that is whole.
 
-    Args: instead: what can be done with a recording that has none, where that is not to begin anew from its champion.
+    Args: instead: of who draws the run and does not go on with it: what can be drawn of a recording that has none.  Then those of other
+        code are read too, since no bit rests on it, and a note says so.
     Returns: its `run`; what must be known of it, a line each.  Raises ResumeError.
     """
     if not directory.is_dir():
         raise ResumeError(f"{directory} {'is no directory' if directory.exists() else 'does not exist'}: {_A_RUN}")
     whole: list[dict[str, Any]] = []
     damaged: list[str] = []
+    notes: list[str] = []
     for path in (directory / NAME, directory / BEFORE):
         try:
             data = path.read_bytes()
@@ -106,7 +108,7 @@ def read_checkpoint(directory: Path, instead: str = "") -> tuple[dict[str, Any],
             continue
         except OSError as error:
             raise ResumeError(f"{path} cannot be read ({error.strerror}): {_A_RUN}") from None
-        run = _read(data, path)
+        run = _read(data, path, notes if instead else None)
         if run is not None:
             whole.append(run)
         else:
@@ -114,7 +116,7 @@ def read_checkpoint(directory: Path, instead: str = "") -> tuple[dict[str, Any],
     if not whole:
         raise ResumeError(_why_none(directory, damaged, instead or f"begin anew from its champion by --start {directory}"))
     run = max(whole, key=_generation)  # of equals the first
-    notes = [f"{directory / name} is damaged: going on after generation {_generation(run)}" for name in damaged if name == NAME]
+    notes = notes[:1] + [f"{directory / name} is damaged: going on after generation {_generation(run)}" for name in damaged if name == NAME]
     return run, notes
 
 
@@ -122,8 +124,11 @@ def _generation(run: dict[str, Any]) -> int:
     return run["evolution"]["generation"]
 
 
-def _read(data: bytes, path: Path) -> dict[str, Any] | None:
-    """The `run` of a checkpoint; None where it is damaged.  Raises ResumeError where it is whole, and of another version."""
+def _read(data: bytes, path: Path, notes: list[str] | None) -> dict[str, Any] | None:
+    """The `run` of a checkpoint; None where it is damaged.  Raises ResumeError where it is whole, and of another version.
+
+    Args: notes: where it is to be drawn alone: takes that it is of other code; None where it is to be gone on with.
+    """
     line, _, rest = data.partition(b"\n")
     try:
         first = json.loads(line.rstrip(b", \r") + b"}")
@@ -132,11 +137,14 @@ def _read(data: bytes, path: Path) -> dict[str, Any] | None:
         return None
     if hashlib.sha256(rest).hexdigest() != sha256:
         return None
-    if version != VERSION or program != __version__:
+    other = program != __version__ or code != search_hash()
+    if other and notes is not None and version == VERSION:
+        notes.append(f"{path} is of other code ({shown(program, 20)}, {shown(code, 20)}): what lives anew may live otherwise")
+    elif version != VERSION or program != __version__:
         what = f"format {version!r}"[:40] + f" of version {program!r}"[:40]
         this = f"format {VERSION} of version {__version__!r}"
         raise ResumeError(f"{path} is {what}, and this program reads {this}: resume it with the version that it was begun with")
-    if code != search_hash():
+    elif other:
         what = f"{path} is of code {shown(code, 20)} of version {program}, and this is {search_hash()}, whose bits may differ"
         raise ResumeError(f"{what}: resume it with the code that it was begun with")
     try:

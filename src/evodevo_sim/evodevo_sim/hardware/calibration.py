@@ -16,14 +16,15 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
 import yaml
 
 from ..development.shape import farthest_cell
-from ..inputs import InputError, nearest, shown
-from ..text_file import parsed, read_text
+from ..inputs import InputError, shown
+from ..text_file import check_keys, parsed, read_text
 from .protocol import MOST_CHANNELS
 
 _KEYS = ("name", "position", "channel", "marker", "levels", "pressure", "frame", "patience")
@@ -43,6 +44,9 @@ SAME_PLACE = 0.1  # m, cell diameters: farthest that a grown cell may be from th
 
 class CalibrationError(InputError, ValueError):
     """A calibration that cannot be; the message names the key, the channel or cell, and the mend."""
+
+
+_check_keys = partial(check_keys, CalibrationError)
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,14 +199,6 @@ def _check_levels(c: Calibration) -> None:
             raise CalibrationError(f"levels: {where} span is 0, so that nothing would move: give the change of level for e - c of 1")
         if c.most[i] > c.most_pressure:
             raise CalibrationError(f"levels: {where} most {c.most[i]:g} is above pressure.most {c.most_pressure:g}, at which all is vented")
-
-
-def _check_keys(document: Any, known: tuple[str, ...], where: str) -> None:
-    if not isinstance(document, dict):
-        raise CalibrationError(f"{where or 'the file'} is {shown(document)}: give the keys {', '.join(known)}")
-    for key in document:
-        if key not in known:
-            raise CalibrationError(f"unknown key {shown(f'{where}.{key}' if where else str(key))}: did you mean {nearest(key, known)!r}?")
 
 
 def _places(value: Any, key: str, cells: int | None) -> np.ndarray:
