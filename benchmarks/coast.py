@@ -11,14 +11,14 @@ from __future__ import annotations
 import argparse
 
 import numpy as np
-from evodevo_sim.parameters import with_settings
+from evodevo_sim.parameters import Task
 from evodevo_sim.physics.control_step import advance
 from evodevo_sim.physics.forces import make_law, make_scratch, set_rest_lengths
 from evodevo_sim.physics.soundness import SOUND
 from evodevo_sim.physics.step_size import choose_substeps, substeps_in_drag
 from evodevo_sim.ros.command_line import pairs
 
-from evodevo_sim import Task, load_genome, perform
+from evodevo_sim import perform, read_genome
 
 
 def coast(performance, task: Task, step: int) -> float:
@@ -46,10 +46,11 @@ def main():
     parser.add_argument("genomes", nargs="+", metavar="GENOME")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="of the task, e.g. scene.drag_normal=10")
     options = parser.parse_args()
-    task = with_settings(Task(), pairs(options.set))
-    half = task.control_steps // 2
     for name in options.genomes:
-        performance = perform(load_genome(name), task)
+        file = read_genome(name)
+        task = file.task(settings=pairs(options.set))
+        half = task.control_steps // 2
+        performance = perform(file.genome, task)
         m = performance.evaluation.metrics
         if not m.chambers:
             print(f"{name}: {performance.evaluation.cause}")

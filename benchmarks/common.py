@@ -20,7 +20,7 @@ from rich.console import Console
 from rich.table import Table
 from tqdm import tqdm
 
-from evodevo_sim import Material, Scene, load_genome
+from evodevo_sim import Material, Scene, Task, read_genome
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
@@ -34,7 +34,12 @@ Figure = namedtuple("Figure", "part what measured asked met", defaults=("", None
 
 
 def champion():
-    return load_genome(CHAMPION)
+    return read_genome(CHAMPION).genome
+
+
+def champion_task(**settings) -> Task:
+    """To swim, with growth as the champion was bred with."""
+    return read_genome(CHAMPION).task(settings=settings)
 
 
 def default_law() -> Law:

@@ -11,13 +11,12 @@ from __future__ import annotations
 import argparse
 
 import numpy as np
-from evodevo_sim.parameters import default_task, with_settings
 from evodevo_sim.ros.command_line import pairs
 from evodevo_sim.task_kinds import names
 from evodevo_sim.tasks.walk.audit import trial
 from evodevo_sim.tasks.walk.fitness import headings
 
-from evodevo_sim import load_genome, perform
+from evodevo_sim import perform, read_genome
 
 
 def crossings(outline, position) -> np.ndarray:
@@ -51,10 +50,10 @@ def main():
     parser.add_argument("--starts", type=int, default=4, help="of a walker (default %(default)s)")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE")
     options = parser.parse_args()
-    task = with_settings(default_task(options.task), pairs(options.set))
     print("steps that cross    most pairs    cells    genome")
     for path in options.genomes:
-        body, positions = lives(load_genome(path), task, options.starts)
+        file = read_genome(path)
+        body, positions = lives(file.genome, file.task(options.task, pairs(options.set)), options.starts)
         if body is None:
             continue
         count = np.concatenate([crossings(body.outline, p[np.isfinite(p).all((1, 2))]) for p in positions])

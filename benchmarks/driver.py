@@ -17,10 +17,9 @@ from pathlib import Path
 import numpy as np
 from evodevo_sim.hardware.calibration import load_calibration
 from evodevo_sim.hardware.serial_body import SerialBody
-from evodevo_sim.hardware.trial import embody
-from evodevo_sim.live import Animat
+from evodevo_sim.hardware.trial import living
 
-from evodevo_sim import Task, load_genome, with_settings
+from evodevo_sim import read_genome
 
 
 def main() -> None:
@@ -29,7 +28,8 @@ def main() -> None:
     parser.add_argument("--cells", type=int, default=64)
     given = parser.parse_args()
     genome_file = Path(__file__).with_name("swimmer.yaml")
-    task = with_settings(Task(), {"development.max_cells": given.cells})
+    file = read_genome(genome_file)
+    task = file.task(settings={"development.max_cells": given.cells})
     with tempfile.TemporaryDirectory() as directory:
         link, calibration = Path(directory, "body"), Path(directory, "body.yaml")
         emulator = subprocess.Popen(
@@ -41,7 +41,7 @@ def main() -> None:
                 sys.exit(2)
             time.sleep(0.05)
         body = SerialBody(str(link), load_calibration(calibration))
-        animat = Animat(load_genome(genome_file), task, 0, lambda grown: embody(grown.position, body))
+        animat = living(file.genome, task, 0, body)
         end = time.monotonic() + given.seconds
         while time.monotonic() < end:
             animat.step()

@@ -16,15 +16,14 @@ import dataclasses
 from pathlib import Path
 
 import numpy as np
-from common import FULL, TINY, Figure, best, champion, main, plt, race, save, write_csv
+from common import FULL, TINY, Figure, best, champion, champion_task, main, plt, race, save, write_csv
 from evodevo_sim.brain.scent import make_signals
-from evodevo_sim.parameters import default_task, with_settings
 from evodevo_sim.tasks.life import birth, develop
 from evodevo_sim.tasks.swim.fitness import kernel_arguments
 from evodevo_sim.tasks.swim.kernel import swim
 from kernels import many_accelerations, many_checks, many_regulations, mean_substeps
 
-from evodevo_sim import Development, Status, Task, evaluate, load_genome, perform, random_genome
+from evodevo_sim import Development, Status, Task, evaluate, perform, random_genome, read_genome
 
 PART = "evaluation"
 NOBODY = np.empty((0, 0, 0)), np.empty((0, 0)), np.empty((0, 0, 0), np.int64)
@@ -50,7 +49,7 @@ def life_of(genome, task, finer=1):
 
 def measure(cells, genome, rounds):
     """One row: milliseconds of an evaluation, and its shares in per cent."""
-    task = Task(development=Development(max_cells=cells))
+    task = champion_task(**{"development.max_cells": cells})
     genes, model = kernel_arguments(genome, task)
     substeps = mean_substeps(life_of(genome, task), task.control_steps, task.control_step, model.development, model.continual)
     brain, state = life_of(genome, task)
@@ -100,7 +99,7 @@ def errors_of(genome, task, finer, horizon, finest):
 
 def accuracy(genome, cells, rounds, horizon, finest):
     """Rows: milliseconds of an evaluation, and its error after `horizon` control steps, in more and more substeps."""
-    task = Task(development=Development(max_cells=cells))
+    task = champion_task(**{"development.max_cells": cells})
     finer = [1, 1.25] + [2**k for k in range(1, int(np.log2(finest)) - 1)]
     arguments = kernel_arguments(genome, task)
     seconds = best(race({f: lambda f=f: swim(*arguments, float(f), make_signals(), *NO_TRACK) for f in finer}, rounds, "accuracy"))
@@ -138,10 +137,10 @@ def lively(task, count):
 
 def others(rounds):
     """Figures of what else is asked for a number of milliseconds."""
-    lives = {
-        what: (load_genome(CHAMPIONS / f"{genome}.yaml"), with_settings(default_task(task), settings))
-        for what, genome, task, settings, _ in OTHERS
-    }
+    lives = {}
+    for what, genome, task, settings, _ in OTHERS:
+        file = read_genome(CHAMPIONS / f"{genome}.yaml")
+        lives[what] = file.genome, file.task(task, settings)
     seconds = best(race({what: lambda life=life: evaluate(*life) for what, life in lives.items()}, 3 * rounds, "walker and seeker"))
     return [
         Figure(PART, what, f"{1e3 * seconds[what]:.1f} ms", f"<= {most:g} ms", 1e3 * seconds[what] <= most) for what, *_, most in OTHERS

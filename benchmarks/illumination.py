@@ -4,7 +4,8 @@
     python benchmarks/illumination.py --generations 485 --seed 1                # some 50,000 evaluations
     python benchmarks/illumination.py --task walk --generations 200 --csv rows.csv
 
-Fillable are the kinds that the run fills or that growth alone does: bodies of random genomes and their mutants, spread over all kinds.
+Fillable are the kinds of bodies that the run fills or that growth alone does: bodies of random genomes and their mutants, spread over
+all kinds.
 """
 
 from __future__ import annotations
@@ -19,11 +20,12 @@ import numpy as np
 from evodevo_ga.archive import Archive
 from evodevo_ga.founding import bodies_of_founders
 from evodevo_ga.in_process import evaluate_all
+from evodevo_ga.usual import usual_task
 from evodevo_sim.analysis.gait import GaitError, analyse, track_of_performance
-from evodevo_sim.parameters import default_task
+from evodevo_sim.parameters import ParameterError, with_settings
+from evodevo_sim.ros.command_line import pairs
 from evodevo_sim.task_kinds import names
 from evodevo_sim.tasks.audit import audit
-from evodevo_sim.tasks.grown import grow
 from tqdm import tqdm
 
 from evodevo_ga import Evolution, Individual, Settings, scheme
@@ -36,16 +38,18 @@ _OTHER_SEED = 2**40
 
 def arguments(parser: argparse.ArgumentParser) -> argparse.Namespace:
     parser.add_argument("--task", default="swim", choices=names(), help="what to evolve for (default %(default)s)")
+    parser.add_argument("--scheme", default="archive", choices=("archive", "gaits"), help="of the search (default %(default)s)")
     parser.add_argument("--seed", type=int, default=1, help="of the run (default %(default)s)")
     parser.add_argument("--generations", type=int, default=485, help="of the run (default %(default)s)")
     parser.add_argument("--workers", type=int, default=len(os.sched_getaffinity(0)), help="threads (default %(default)s)")
     parser.add_argument("--least", type=float, default=0.25, help="fitness of elites to look at, of the champion's (default %(default)s)")
     parser.add_argument("--csv", metavar="FILE", help="append a row for every elite looked at")
+    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="of the task")
     return parser.parse_args()
 
 
-def evolve(task: Task, settings: Settings, seed: int, workers: int) -> Evolution:
-    evolution = Evolution(settings, seed, scheme="archive", task=task)
+def evolve(task: Task, settings: Settings, name: str, seed: int, workers: int) -> Evolution:
+    evolution = Evolution(settings, seed, scheme=name, task=task)
     with tqdm(total=settings.generations, desc=f"{task.name} {seed}", leave=False, mininterval=5.0) as bar:
         while not evolution.finished:
             evolution.tell(evaluate_all(evolution.ask(), task, seed, workers, evolution.bars))
@@ -56,11 +60,11 @@ def evolve(task: Task, settings: Settings, seed: int, workers: int) -> Evolution
 
 def kinds(search: Archive, evolution: Evolution) -> tuple[set, set]:
     """(kinds that the run fills, all that are known to be fillable)."""
-    filled = {search.kind(search.nursery.grow(one.genome)) for one in evolution.population}
+    filled = {search.kind_of_body(search.nursery.grow(one.genome)) for one in evolution.population}
     found: set = set()
 
     def note(grown):
-        kind = search.kind(grown)
+        kind = search.kind_of_body(grown)
         found.update(() if kind is None else (kind,))
         return kind
 
@@ -75,17 +79,21 @@ def row(one: Individual, search: Archive, task: Task, seed: int) -> dict:
         gait = analyse(track_of_performance(perform(one.genome, task, seed), task)).gait.name
     except GaitError:
         gait = "none"
-    body = grow(one.genome, task)
+    body = search.nursery.grow(one.genome)
     verdict = "stands" if found.stands else "; ".join(found.faults)
     values = (task.name, seed, search.kind(body), one.evaluation.fitness, body.elongation, body.share_of_chambers, gait, verdict)
     return dict(zip(COLUMNS, values))
 
 
 def main():
-    options = arguments(argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter))
-    task = default_task(options.task)
-    settings = Settings(**scheme("archive", options.task) | {"generations": options.generations})
-    evolution = evolve(task, settings, options.seed, options.workers)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    options = arguments(parser)
+    try:
+        task = with_settings(usual_task(options.task), dict(pairs(options.set)))
+    except ParameterError as error:
+        parser.exit(2, f"illumination.py: {error}\n")
+    settings = Settings(**scheme(options.scheme, options.task) | {"generations": options.generations})
+    evolution = evolve(task, settings, options.scheme, options.seed, options.workers)
     search = evolution.search
     filled, fillable = kinds(search, evolution)
     best = evolution.champion.evaluation.fitness

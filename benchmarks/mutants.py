@@ -13,14 +13,13 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from evodevo_ga.operators import delete, duplicate, flip, mutate_points
-from evodevo_sim.parameters import with_settings
 from evodevo_sim.ros.command_line import pairs
 from rich.console import Console
 from rich.table import Table
 from tqdm import tqdm
 
 from evodevo_ga import Settings
-from evodevo_sim import Genome, Task, evaluate, load_genome
+from evodevo_sim import Genome, evaluate, read_genome
 
 SHARES = ("better", "better by 1 %", "as good", "within half", "below half", "none left")
 
@@ -52,9 +51,9 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=len(os.sched_getaffinity(0)), help="threads (default %(default)s)")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="of the task, e.g. scene.drag_normal=10")
     options = parser.parse_args()
-    task = with_settings(Task(), pairs(options.set))
-    champions = [load_genome(name) for name in options.genomes]
-    parents = [evaluate(genome, task, options.seed).fitness for genome in champions]
+    files = [read_genome(name) for name in options.genomes]
+    champions = [(file.genome, file.task(settings=pairs(options.set))) for file in files]
+    parents = [evaluate(genome, task, options.seed).fitness for genome, task in champions]
     if min(parents) <= 0.0:
         parser.error(f"{options.genomes[int(np.argmin(parents))]} earns {min(parents):.3g} in this task: give champions that move")
     ways = [(rate, scale) for rate in options.rates for scale in options.scales]
@@ -68,11 +67,11 @@ def main() -> None:
     ):
         for rate, scale in ways:
             found = []
-            for genome, parent in zip(champions, parents):
+            for (genome, task), parent in zip(champions, parents):
                 rng = np.random.default_rng(options.seed)
                 children = [child(genome, rng, rate, scale) for _ in range(options.children)]
                 fitness = []
-                for evaluation in pool.map(lambda one: evaluate(one, task, options.seed), children):
+                for evaluation in pool.map(lambda one, task=task: evaluate(one, task, options.seed), children):
                     fitness.append(evaluation.fitness)
                     bar.update()
                 found.append(shares(np.array(fitness), parent))

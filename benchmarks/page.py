@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+import argparse
 import csv
 import re
 import shutil
@@ -43,7 +44,9 @@ def fill(text: str, figures: list[dict]) -> str:
 
 
 def main():
-    results = Path(sys.argv[1] if len(sys.argv) > 1 else "benchmarks/results")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("results", nargs="?", type=Path, default=Path("benchmarks/results"), metavar="DIR")
+    results = parser.parse_args().results
     try:
         with open(results / "summary.csv", newline="", encoding="utf-8") as file:
             figures = list(csv.DictReader(file))

@@ -20,15 +20,16 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from evodevo_ga.feasible import check
 from evodevo_ga.operators import scatter_scent
+from evodevo_ga.usual import law_of, usual_task
 from evodevo_sim.analysis.gait import GaitError, analyse, track_of_performance
-from evodevo_sim.parameters import default_task, with_settings
+from evodevo_sim.parameters import with_settings
 from evodevo_sim.ros.command_line import pairs
 from evodevo_sim.task_kinds import names
 from evodevo_sim.tasks.audit import audit
 from tqdm import tqdm
 
 from evodevo_ga import SCHEMES, Evolution, Settings, default_scheme, scheme
-from evodevo_sim import Evaluation, Genome, GenomeError, ParameterError, Task, evaluate, load_genome, perform, random_genome, save_genome
+from evodevo_sim import Evaluation, Genome, GenomeError, ParameterError, Task, evaluate, perform, random_genome, read_genome, save_genome
 
 CHUNK = 500  # random genomes drawn at a time
 COLUMNS = (
@@ -190,10 +191,11 @@ def main():
     options = arguments(parser)
     try:
         of_task, of_settings = split(options.set)
-        task = with_settings(default_task(options.task), of_task)
+        files = [read_genome(name) for name in options.start]
+        task = with_settings(usual_task(options.task), law_of(files) | of_task)
         name = options.scheme or default_scheme(options.task, of_settings, task.development.max_cells)
         settings = Settings(**scheme(name, options.task) | {"generations": options.generations} | of_settings)
-        start = tuple(load_genome(name) for name in options.start)
+        start = tuple(file.genome for file in files)
         check(task, settings, start)
     except (ParameterError, GenomeError) as error:
         parser.exit(2, f"search.py: {error}\n")
@@ -206,7 +208,7 @@ def main():
                 rows.append(one)
                 budget = one["evaluations"]
                 append(options.curves, options.set, CURVE, curve)
-                keep(options.genomes, name, seed, champion)
+                keep(options.genomes, name, seed, champion, task)
             if not options.no_random:
                 found, curve = search_at_random(task, settings, seed, budget, pool)
                 rows += found
@@ -216,11 +218,11 @@ def main():
     append(options.csv, options.set, COLUMNS, rows)
 
 
-def keep(directory: str | None, name: str, seed: int, champion) -> None:
+def keep(directory: str | None, name: str, seed: int, champion, task: Task) -> None:
     """Write the genome of a champion, if that was asked for."""
     if directory:
         os.makedirs(directory, exist_ok=True)
-        save_genome(os.path.join(directory, f"{name}-{seed}.yaml"), champion.genome, {"scheme": name, "seed": seed})
+        save_genome(os.path.join(directory, f"{name}-{seed}.yaml"), champion.genome, {"scheme": name, "seed": seed}, task.development)
 
 
 def append(path: str | None, settings: list[str], columns: tuple[str, ...], rows: list[dict]) -> None:

@@ -12,7 +12,7 @@ early exit of a life in which all rests is not exact, and its difference is give
 from __future__ import annotations
 
 import numpy as np
-from common import FULL, QUICK, STEP, TINY, Figure, best, champion, default_law, main, race, slab, write_csv
+from common import FULL, QUICK, STEP, TINY, Figure, best, champion, champion_task, default_law, main, race, slab, write_csv
 from evodevo_sim.genetics.regulation import DIVISION, express, prune
 from evodevo_sim.kernels.lanes import aligned
 from evodevo_sim.physics.integrators import make_system, make_work
@@ -22,7 +22,7 @@ from evodevo_sim.tasks.life import birth
 from evodevo_sim.tasks.swim.fitness import kernel_arguments
 from kernels import live_on, travel
 
-from evodevo_sim import Status, Task, evaluate, random_genome
+from evodevo_sim import Status, evaluate, random_genome
 
 PART = "skipping"
 NEAR_NOTHING = 1e-200
@@ -166,7 +166,7 @@ def resting(task, genomes):
 
 
 def run(effort, out):
-    task = Task() if effort > TINY else Task(control_steps=100)
+    task = champion_task() if effort > TINY else champion_task(control_steps=100)
     rounds, intervals = {TINY: (1, 20), QUICK: (5, 300), FULL: (9, 1000)}[effort]
     table = scenes(slab(*((4, 3) if effort == TINY else (16, 4))), intervals, rounds) + networks(task, rounds)
     rest = resting(task, {TINY: 2, QUICK: 5, FULL: 25}[effort])

@@ -16,12 +16,12 @@ import time
 import numpy as np
 from evodevo_ga.evolution import Settings
 from evodevo_ga.operators import flip, mutate_points
-from evodevo_sim.parameters import default_task, with_settings
+from evodevo_sim.parameters import with_settings
 from evodevo_sim.tasks.walk.fitness import fitness_by_start, headings
 from scipy.stats import kendalltau
 from tqdm import tqdm
 
-from evodevo_sim import evaluate, load_genome
+from evodevo_sim import evaluate, read_genome
 
 COUNTS = (1, 2, 3, 4, 8, 16)
 REPEATS = 200
@@ -38,15 +38,15 @@ def main():
     parser.add_argument("--mutants", type=int, default=40, help="of each genome (default %(default)s)")
     parser.add_argument("--many", type=int, default=32, help="orientations (default %(default)s)")
     options = parser.parse_args()
-    task, rng = default_task("walk"), np.random.default_rng(0)
-    population = [g for path in options.genomes for g in [load_genome(path), *mutants(load_genome(path), options.mutants, rng)]]
+    rng, files = np.random.default_rng(0), [read_genome(path) for path in options.genomes]
+    population = [(g, file.task("walk")) for file in files for g in [file.genome, *mutants(file.genome, options.mutants, rng)]]
     directions, table = headings(12345, options.many), []
-    for genome in tqdm(population, mininterval=5.0, leave=False):
+    for genome, task in tqdm(population, mininterval=5.0, leave=False):
         fitness = fitness_by_start(genome, task, directions)
         if fitness.max() > 2 * task.activity_bonus:
             table.append(fitness)
     table = np.array(table)
-    cost = [_seconds(population[0], task, n) for n in COUNTS]
+    cost = [_seconds(*population[0], n) for n in COUNTS]
     print(f"{len(table)} of {len(population)} walkers move; spread of one by starts: median standard deviation / mean = "
           f"{np.median(table.std(1) / table.mean(1)):.2f}; of means between walkers {table.mean(1).std() / table.mean(1).mean():.2f}")
     print("starts  ms    tau    right choice of two")

@@ -16,13 +16,13 @@ import time
 
 import numpy as np
 import psutil
-from common import TINY, Figure, champion, main, write_csv
+from common import TINY, Figure, champion, champion_task, main, write_csv
 from evodevo_ga.in_process import evaluate_all
 from evodevo_ga.operators import mutate_points
 from tqdm import tqdm
 
 from evodevo_ga import Settings
-from evodevo_sim import Task, evaluate
+from evodevo_sim import evaluate
 
 PART = "workers"
 WAYS = ("1 thread", "2 threads", "2 processes")
@@ -41,7 +41,7 @@ def processors():
 
 def run(effort, out):
     size, rounds = ((2, 1), (12, 2), (24, 5))[effort]
-    genomes, task = population(size), Task(control_steps=2000 if effort > TINY else 20)
+    genomes, task = population(size), champion_task(control_steps=2000 if effort > TINY else 20)
     pairs = [(genome, task) for genome in genomes]
     wall, cpu = {name: [] for name in WAYS}, {name: [] for name in WAYS}
     context = multiprocessing.get_context("spawn")

@@ -41,6 +41,7 @@ ROOMS = (
     ("live", "an animat step by step, at a pace; targets", "4.3"),
     ("hardware", "bodies of rubber and air: the line, its protocol, calibration, limits; an emulated one", ""),
     ("analysis", "what motions are like: gaits by name, turning", "4, Fig. 6"),
+    ("identification", "across the reality gap: tracking error, numbers of a body fitted to recordings", ""),
     ("library", "what the package offers to Python", ""),
     ("ros", "the table of topics; messages to and from objects; callbacks that cannot end a node", ""),
     ("recording", "rosbag2 recordings: writer, readers", ""),

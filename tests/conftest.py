@@ -5,8 +5,11 @@ import random
 import sys
 
 from evodevo_sim.ros.process import stay_on_this_host
+from hypothesis import settings
 from values import guard, value_classes
 
+settings.register_profile("busy machine", deadline=None)  # how long an example takes says nothing
+settings.load_profile("busy machine")
 stay_on_this_host()
 _DOMAINS = 200  # of those that Fast DDS has ports for
 _chosen = int(os.environ.setdefault("ROS_DOMAIN_ID", str(random.randint(1, 100))))

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from evodevo_sim.genetics.genome_file import UNSAID
 from evodevo_sim.parameters import default_task, with_settings
 from evodevo_sim.worlds import with_world
 from genomes import beating, dividing, pulsing, ring
@@ -19,6 +20,7 @@ ROOT = Path(__file__).resolve().parents[1]
 NOISE = {"noise.concentrations": 0.01, "noise.actuation": 0.05}
 SHORT = {"control_steps": 400}
 VARIANT_A = {"development.variant": "graph_at_end"}
+LAW = {f"development.{name}": value for name, value in UNSAID.items()}  # by which the champions were bred
 
 
 def genome(name):
@@ -33,15 +35,15 @@ def genome(name):
 
 
 def swim(**settings):
-    return with_settings(default_task("swim"), settings)
+    return with_settings(default_task("swim"), LAW | settings)
 
 
 def walk(world="flat", **settings):
-    return with_world(with_settings(default_task("walk"), {"starts": 2, **SHORT, **settings}), world)
+    return with_world(with_settings(default_task("walk"), {"starts": 2, **LAW, **SHORT, **settings}), world)
 
 
 def chemotaxis(**settings):
-    return with_settings(default_task("chemotaxis"), settings)
+    return with_settings(default_task("chemotaxis"), LAW | settings)
 
 
 def cases():

@@ -106,11 +106,11 @@ def test_where_nobody_listens_no_message_is_made(monkeypatch):
         if step == 5:
             heard.set()
         animat.step()
-        node.Living._act(Node, animat)
+        node.Living.act(Node, animat)
     assert [message.step for message in made] == [5, 6, 7, 8] and made[0].header.frame_id == "leg"
     heard.clear()
     asked.clear()
-    stage = Stage(lambda animat: None, stopped.append, 1, lambda animat: node.Living._act(Node, animat))
+    stage = Stage(lambda animat: None, stopped.append, 1, lambda animat: node.Living.act(Node, animat))
     try:
         stage.load(animat, 0.0)
         assert asked.wait(20.0)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from evodevo_ga.archive import Archive
 from evodevo_ga.arguments import parse
+from evodevo_ga.beat import Beat, activation_of, beat_of
 from evodevo_ga.emitters import EMITTERS
 from evodevo_ga.in_process import evaluate_all
 from evodevo_ga.individual import Child, Individual
@@ -15,6 +16,7 @@ from evodevo_sim.development.shape import same_shape
 from evodevo_sim.genetics.elements import INPUTS, REGULATORY
 from evodevo_sim.parameters import default_task, with_settings
 from evodevo_sim.tasks.grown import grow
+from genomes import pulsing
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -29,9 +31,9 @@ def task_of(name="swim"):
     return with_settings(default_task(name), SMALL)
 
 
-def evolution_of(name="swim", seed=3, start=(), **numbers):
-    chosen = scheme("archive", name) | NUMBERS | numbers
-    return Evolution(Settings(**chosen), seed, start, "archive", task_of(name))
+def evolution_of(name="swim", seed=3, start=(), way="archive", **numbers):
+    chosen = scheme(way, name) | NUMBERS | numbers
+    return Evolution(Settings(**chosen), seed, start, way, task_of(name))
 
 
 def run_on(evolution, task, generations=None, stopped=True, workers=1):
@@ -55,6 +57,46 @@ def test_an_archive_keeps_unlike_bodies_for_every_task_and_goes_on_to_the_same_b
     kinds = [search.kind(grow(elite.genome, task)) for elite in one.population]
     assert len(set(kinds)) == len(kinds) > 3 and None not in kinds
     assert one.growths >= 60 and one.evaluations + one.growths / 8 > 12 * 2
+
+
+def test_an_archive_of_gaits_keeps_each_beat_of_a_body_apart_with_the_same_bits_when_it_goes_on():
+    task = task_of()
+    one, two = evolution_of(way="gaits"), evolution_of(way="gaits")
+    run_on(two, task, 1)
+    resumed = Evolution.resumed(json.loads(json.dumps(two.state(), allow_nan=False)), task)
+    assert run_on(one, task) == run_on(resumed, task, workers=2) == run_on(evolution_of(way="gaits"), task, stopped=False)
+    search = one.search
+    bodies = [search.nursery.grow(elite.genome) for elite in one.population]
+    assert len({search.kind(body) for body in bodies}) == len(bodies) > len({search.kind_of_body(body) for body in bodies}) > 3
+    assert len({body.beat for body in bodies}) > 1
+
+
+def body_of(rows, columns):
+    return np.array([(0.9 * x, 0.8 * y) for y in range(rows) for x in range(columns)], float)
+
+
+@pytest.mark.parametrize("beat, activation", [
+    (Beat.STILL, lambda t, x, y: 0.005 * np.sin(t) + 0 * x),
+    (Beat.STILL, lambda t, x, y: 0.002 * t + 0 * x),
+    (Beat.PART, lambda t, x, y: np.sin(t - x) * (x < 1.5)),
+    (Beat.PULSE, lambda t, x, y: np.sin(t + 0.2 * x)),
+    (Beat.BEND, lambda t, x, y: np.sin(t - x) * np.sign(y)),
+    (Beat.WAVE, lambda t, x, y: np.sin(t - x)),
+])
+@pytest.mark.parametrize("turned", [0.0, 1.0])
+def test_a_beat_is_told_by_its_phases_on_the_body(beat, activation, turned):
+    position = body_of(4, 8)
+    x, y = (position - position.mean(axis=0)).T
+    found = activation(np.arange(480)[:, None] * 0.2, x - x.min(), y)
+    turn = np.array([(np.cos(turned), -np.sin(turned)), (np.sin(turned), np.cos(turned))])
+    assert beat_of(found, position @ turn.T) == beat
+
+
+@pytest.mark.parametrize("name", ["swim", "walk"])
+def test_what_muscles_do_is_known_before_a_life_to_the_last_bit(name):
+    task = with_settings(task_of(name), {"control_steps": 800})
+    lived, told = perform(pulsing(), task).activation[1:], activation_of(pulsing(), task)
+    assert np.ptp(told) > 0.1 and (lived[240:720] == told).all()
 
 
 def test_lives_that_stop_below_the_bar_and_threads_change_nothing():

@@ -1,6 +1,7 @@
 """Each benchmark runs in its smallest form and writes its tables, and what it claims of itself holds: equal bits, true theory."""
 
 import csv
+import runpy
 from pathlib import Path
 
 import numpy as np
@@ -39,6 +40,18 @@ def test_a_part_writes_its_tables_and_figures(part, tmp_path):
     for name in TABLES[part]:
         rows = rows_of(tmp_path / name)
         assert rows and all(len(row) == len(rows[0]) and None not in row for row in rows)
+
+
+PROGRAMS = [path for path in sorted(BENCHMARKS.glob("*.py")) if '__name__ == "__main__"' in path.read_text(encoding="utf-8")]
+
+
+@pytest.mark.parametrize("path", PROGRAMS, ids=lambda path: path.stem)
+def test_every_benchmark_imports_and_shows_its_help(path, monkeypatch, capsys):
+    """In this process, where what they import is there already."""
+    monkeypatch.setattr("sys.argv", [str(path), "--help"])
+    with pytest.raises(SystemExit) as left:
+        runpy.run_path(str(path), run_name="__main__")
+    assert left.value.code == 0 and "usage" in capsys.readouterr().out
 
 
 def test_every_part_of_the_run_is_tested():

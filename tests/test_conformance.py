@@ -17,7 +17,7 @@ from evodevo_sim.nodes.simulator import Simulator
 from evodevo_sim.parameters import default_task
 from evodevo_sim.ros.loopback import loopback_alone
 from evodevo_sim.ros.messages import genome_message, task_message
-from evodevo_sim.ros.topics import EVENTS, STREAM
+from evodevo_sim.ros.topics import ACTUATION, BODY, EVENTS, STREAM
 from genomes import pulsing
 from lab import DEADLINE, simulators
 from rclpy.executors import ExternalShutdownException
@@ -122,13 +122,13 @@ def beyond(message):
 def volatile(node):
     its = node._living
     node.destroy_publisher(its._body)
-    its._body = node.create_publisher(checks.BODY.type, "body", EVENTS.profile())
+    its._body = node.create_publisher(BODY.type, "body", EVENTS.profile())
 
 
 def best_effort(node):
     its = node._living
     node.destroy_publisher(its._actuation)
-    its._actuation = node.create_publisher(checks.ACTUATION.type, "actuation", STREAM.profile())
+    its._actuation = node.create_publisher(ACTUATION.type, "actuation", STREAM.profile())
 
 
 def no_evaluate(node):

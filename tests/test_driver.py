@@ -2,10 +2,7 @@
 
 import subprocess
 import sys
-import time
-from collections.abc import Callable
-from contextlib import ExitStack, contextmanager
-from typing import Any, NamedTuple
+from contextlib import ExitStack
 
 import numpy as np
 import pytest
@@ -15,73 +12,13 @@ from evodevo_sim.ros.messages import genome_message, task_message
 from evodevo_sim.ros.topics import ACTUATION, BODY, CELL_STATES, CHANNELS, COMMAND_STREAM
 from lab import DEADLINE, Operator
 from rclpy.qos import qos_profile_sensor_data
+from rigs import GENOME, driver, rig
 from sensor_msgs.msg import JointState
 from std_srvs.srv import SetBool, Trigger
 
 from evodevo_msgs.msg import Actuation
 from evodevo_msgs.srv import Evaluate, Load
 from evodevo_sim import champions, load_champion
-
-GENOME = "undulator"
-
-
-class Said(NamedTuple):
-    """A command: what it has said until now, and a file that it reads."""
-
-    text: Callable[[], str]
-    input: Any
-
-    def __call__(self):
-        return self.text()
-
-    def hear(self, line):
-        print(line, file=self.input, flush=True)
-
-
-@contextmanager
-def running(directory, command, *arguments, ready):
-    """What a command says, as a function, from when it has said `ready` on; asked to end at the end, which it must in good order."""
-    file = directory / f"{command}.log"
-    with open(file, "w") as log:
-        process = subprocess.Popen(
-            [sys.executable, "-m", f"evodevo_sim.commands.{command}", *map(str, arguments)], stdout=log, stderr=log,
-            stdin=subprocess.PIPE, text=True,
-        )
-        file_of_input = process.stdin
-    try:
-        deadline = time.monotonic() + DEADLINE
-        while ready not in file.read_text():
-            assert process.poll() is None and time.monotonic() < deadline, file.read_text()
-            time.sleep(0.02)
-        yield Said(file.read_text, file_of_input)
-    finally:
-        process.terminate()
-        try:
-            code = process.wait(20.0)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
-            raise
-    assert code == 0 and "Traceback" not in file.read_text(), file.read_text()
-
-
-@contextmanager
-def rig(directory, rig=""):
-    """An emulated body at directory/eel, with the faults of a rig's file."""
-    (directory / "plant.yaml").write_text(rig or "{}")
-    link, calibration = directory / "eel", directory / "eel.yaml"
-    arguments = (champions()[GENOME], "--link", link, "--calibration", calibration, "--rig", directory / "plant.yaml")
-    with running(directory, "emulate", *arguments, ready="emulating") as emulated:
-        while not link.is_symlink():
-            time.sleep(0.01)
-        yield link, calibration, emulated
-
-
-@contextmanager
-def driver(link, calibration, *parameters, namespace="/eel"):
-    arguments = ("--port", link, "--calibration", calibration, "--ros-args", "-r", f"__ns:={namespace}", *parameters)
-    with running(link.parent, "driver", *arguments, ready="ready") as said:
-        yield said
 
 
 @pytest.fixture(scope="module")

@@ -1,11 +1,12 @@
 """Settings under which nothing could evolve are refused before a run begins, in one line that tells the mend."""
 
+import evodevo_ga.usual as usual_settings
 import numpy as np
 import pytest
 from evodevo_ga.arguments import parse
 from evodevo_ga.feasible import check
 from evodevo_ga.settings import UNLIMITED
-from evodevo_sim.parameters import with_settings
+from evodevo_sim.parameters import Development, default_task, preset, with_settings
 from evodevo_sim.physics.forces import make_law
 from evodevo_sim.physics.step_size import choose_substeps
 from genomes import first_viable
@@ -116,3 +117,18 @@ def refused_from(pushes):
         except ParameterError:
             high = middle
     return high
+
+
+def test_a_run_grows_bodies_as_the_genomes_it_begins_from_were_bred(tmp_path, capsys, monkeypatch):
+    inhibited = with_settings(default_task("swim"), preset("contact_inhibition")).development
+    for name, law in (("old", Development()), ("new", inhibited)):
+        save_genome(tmp_path / name, random_genome(np.random.default_rng(1)), None, law)
+    for usual in ("", "contact_inhibition"):
+        monkeypatch.setattr(usual_settings, "GROWTH", usual)
+        assert parse([]).task.development == (inhibited if usual else Development())
+        assert parse(["--start", str(tmp_path / "new"), "--cells", "32"]).task.development == inhibited
+        assert parse(["--start", str(tmp_path / "old"), "--task", "walk"]).task.development == Development()
+        assert capsys.readouterr().err == ""
+    other = parse(["--start", str(tmp_path / "old"), str(tmp_path / "new"), "--set", "development.division_room=0"])
+    said = capsys.readouterr().err.splitlines()
+    assert other.task.development.division_room == 0.0 and len(said) == 2 and all("its body is another one" in line for line in said)

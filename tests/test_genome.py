@@ -1,16 +1,18 @@
 """Genomes and their files: what is malformed is refused by name, and what is written is read back to the bit."""
 
 import contextlib
+import dataclasses
 
 import numpy as np
 import pytest
 from evodevo_sim.genetics.elements import HEADER
-from evodevo_sim.genetics.genome_file import genome_text
+from evodevo_sim.genetics.genome_file import UNSAID, genome_text, parse_file
+from evodevo_sim.parameters import Development, default_task, preset, with_settings
 from genomes import hand_made, random_genomes
 from hypothesis import given
 from hypothesis import strategies as st
 
-from evodevo_sim import Genome, GenomeError, load_genome, parse_genome, random_genome, save_genome
+from evodevo_sim import Genome, GenomeError, load_genome, parse_genome, random_genome, read_genome, save_genome
 
 
 @given(random_genomes())
@@ -90,6 +92,12 @@ def test_unequal_lengths_and_missing_header_are_refused():
         ("evodevo_genome: [", "neither YAML nor JSON from line"),
         ("evodevo_genome: 1\nelements:\n- {special: maternal_x, sign: yes, x: 0, y: 0}", "element 0: sign"),
         ("evodevo_genome: 1\nelements:\n- {special: maternal_x, sign: 1, x: here, y: 0}", "element 0: x is 'here'"),
+        ("evodevo_genome: 1\ndevelopment: 0.6\nelements: []", "development is 0.6: give settings and values"),
+        ("evodevo_genome: 1\ndevelopment: {room: 1}\nelements: []", "setting 'room' is unknown: did you mean 'division_room'?"),
+        ("evodevo_genome: 1\ndevelopment: {1: 1}\nelements: []", "development: setting '1' is unknown"),
+        ("evodevo_genome: 1\ndevelopment: {division_room: -1}\nelements: []", "development.division_room is -1: give a number from 0"),
+        ("evodevo_genome: 1\ndevelopment: {division_room: true}\nelements: []", "development.division_room is True: give a number"),
+        ("evodevo_genome: 1\ndevelopment: {variant: [b]}\nelements: []", "development.variant is .'b'.: choose one of"),
     ],
 )
 def test_a_bad_file_is_refused_with_the_place(tmp_path, text, says):
@@ -122,3 +130,32 @@ def test_missing_and_binary_files_get_one_line(tmp_path):
     (tmp_path / "binary").write_bytes(b"\xff\xfd\x00")
     with pytest.raises(GenomeError, match="not a text file"):
         load_genome(tmp_path / "binary")
+
+
+LAWS = st.builds(
+    Development, variant=st.sampled_from(["continual_graph", "graph_at_end"]), max_cells=st.integers(1, 64),
+    division_room=st.sampled_from([0.0, 0.6, 1e-7]), division_neighbours=st.integers(0, 8), waiting_turn=st.floats(-1.0, 1.0),
+    adhesion=st.sampled_from([0.1, 0.03]),
+)
+
+
+@given(LAWS)
+def test_a_file_says_by_which_law_its_genome_was_bred(law):
+    file = parse_file(genome_text(hand_made(), {"task": "walk"}, law))
+    assert file.task().development == law and file.about == {"task": "walk"}
+    walking = file.task("walk", {"development.max_cells": "7"})
+    assert walking == dataclasses.replace(default_task("walk"), development=dataclasses.replace(law, max_cells=7))
+    assert file.bred_otherwise(file.task("chemotaxis")) == ""
+
+
+def test_a_file_that_says_nothing_grows_as_if_no_cell_waits_whatever_the_defaults_are(tmp_path):
+    path = tmp_path / "genome.yaml"
+    save_genome(path, hand_made(), None, with_settings(default_task("swim"), {f"development.{name}": 0 for name in UNSAID}).development)
+    assert "development" not in path.read_text()
+    law = read_genome(path).task("walk").development
+    assert (law.division_room, law.division_neighbours, law.waiting_turn) == (0.0, 0, 0.0)
+    save_genome(path, hand_made())  # by the law that is usual
+    assert read_genome(path).task().development == Development()
+    other = with_settings(default_task("swim"), preset("contact_inhibition"))
+    save_genome(path, hand_made(), None, other.development)
+    assert read_genome(path).bred_otherwise(with_settings(other, {"development.division_room": 0.5})) == "development.division_room=0.6"

@@ -1,8 +1,10 @@
 """The line to a body of rubber and air, without ROS: protocol, limits, calibration, rig, firmware, and all of them on a pseudo-terminal."""
 
 import io
+import sys
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -36,6 +38,7 @@ from evodevo_sim.text_file import parsed
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+sys.path.append(str(Path(__file__).parents[1] / "benchmarks"))
 CELLS = 5
 STEP = 1 / 60
 IDEAL = Rig()
@@ -87,6 +90,13 @@ def test_a_parser_takes_whatever_comes(data):
     parser = Parser()
     assert not list(parser.feed(data))  # 32 bits of checksum: none of these is a message
     assert list(parser.feed(encode(Stop()))) == [Stop()]
+
+
+def test_fuzzed_frames_invent_nothing_and_harm_none_that_comes_after():
+    from fuzz_frames import KINDS, fuzz
+
+    told, wrong = fuzz(3000, 7)
+    assert not wrong and all(told[kind.__name__] > 100 for kind in KINDS) and told["frames that were none"] > 1000
 
 
 def test_what_never_ends_does_not_fill_the_memory():

@@ -198,7 +198,7 @@ def test_kernels_that_belong_to_one_process_leave_nothing_behind(own):
     assert module.first(local(2.0, 1.0)) == 1.0
     assert _jit.kernel(lambda x: local(x, x))(1.0) == (1.0, 1.0)
     assert space["f"](1.0) == 2.0
-    assert [path.name for path in own.caches.rglob("*.nbc")] == [own.entry().name]
+    assert {path.name.rpartition("-")[0] for path in own.caches.rglob("*.nbc")} == {own.entry().name.rpartition("-")[0]}
 
 
 def test_in_an_environment_without_a_writable_cache_kernels_run(copy):

@@ -1,15 +1,19 @@
 """Recordings by other versions of the messages, older and later ones: what can be read is, and what cannot is said."""
 
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import others
 import pytest
 import rewriting
-from evodevo_sim.recording import Recorder, RecordingError, read_recording
+from evodevo_sim.parameters import default_task, preset, with_settings
+from evodevo_sim.recording import Recorder, RecordingError, older, read_recording
 from evodevo_sim.recording.life import life_of
 from evodevo_sim.view.summary import markdown
 from others import BAGS, SAMPLES, notes_of, refused, replayed, same, states
+
+from evodevo_msgs.msg import Task
 
 sample = pytest.fixture(scope="module", params=SAMPLES)(others.sample)
 small = pytest.fixture(scope="module")(others.small)
@@ -161,3 +165,14 @@ def test_what_is_recorded_now_opens_for_readers_that_know_less(tmp_path, monkeyp
         decoding._by_schema.cache_clear()
     assert before.states == found.states and before.body == found.body and before.settings.population == run.population
     assert before.actuation == [] and "Evolution.scheme is ignored" in before.notes[0] and len(before.notes) == 1
+
+
+def test_growth_that_an_older_recording_does_not_tell_of_is_the_law_of_its_day(monkeypatch):
+    """Whatever the default is: no cell waited to divide."""
+    inhibited = with_settings(default_task("walk"), preset("contact_inhibition"))
+    monkeypatch.setattr(older, "default_task", lambda name: inhibited)
+    told = SimpleNamespace(name="walk", development=SimpleNamespace(variant="continual_graph", max_cells=7, division_neighbours=3))
+    law = older.message_of(told, Task).development
+    assert (law.max_cells, law.division_room, law.division_neighbours, law.waiting_turn) == (7, 0.0, 3, 0.0)
+    law = older.message_of(SimpleNamespace(name="walk"), Task).development
+    assert (law.max_cells, law.division_room, law.division_neighbours, law.waiting_turn) == (32, 0.0, 0, 0.0)

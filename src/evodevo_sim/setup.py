@@ -47,6 +47,8 @@ setup(
             "figure = evodevo_sim.commands.entry:figure",
             "film = evodevo_sim.commands.entry:film",
             "gait = evodevo_sim.commands.entry:gait",
+            "compare = evodevo_sim.commands.entry:compare",
+            "identify = evodevo_sim.commands.entry:identify",
             "info = evodevo_sim.commands.entry:info",
             "replay = evodevo_sim.commands.entry:replay",
             "conform = evodevo_sim.commands.entry:conform",

@@ -14,7 +14,7 @@ import numpy as np
 from evodevo_sim.tasks.grown import Grown
 from evodevo_sim.tasks.outcome import FAILURE, Status
 
-from evodevo_sim import Genome, ParameterError
+from evodevo_sim import Genome, ParameterError, Task
 
 from .emitters import USUAL, Draft, emitter
 from .founding import bodies_of_founders, given_and_mutants, random_founder
@@ -42,6 +42,8 @@ class Archive(Search):
     emitters: names of `emitters.EMITTERS`.
     """
 
+    LOOK = 0  # growths' worth of time that it takes, beyond growth, to tell the kind of a child
+
     def __init__(self, settings: Settings, measures: Sequence[str] = ("elongation", "chambers"), emitters: Sequence[str] = USUAL):
         super().__init__(settings)
         self.measures = tuple(measure(name) for name in measures)
@@ -68,15 +70,28 @@ class Archive(Search):
         if self._known is None:
             if self.task is None:
                 raise ParameterError("an archive grows bodies to tell them apart: give it a task, as Evolution(..., task=task)")
-            self._known = Nursery(self.task), self.grid()
+            self._known = self.nursery_for(self.task), self.grid()
         return self._known
+
+    def nursery_for(self, task: Task) -> Nursery:
+        """What grows bodies, with all that its measures ask of them."""
+        return Nursery(task)
+
+    def kind_of_body(self, grown: Grown) -> int | None:
+        """What keeps bodies apart when they are founded, before they have a gait; None where nothing can live in it."""
+        return self.kind(grown)
+
+    def parents(self, elites: list[Individual], rng: np.random.Generator) -> list[Individual]:
+        """Those of whom a child comes."""
+        return elites
 
     def grid(self) -> GridArchive:
         """An empty archive.  Its field `individual` holds who is in it."""
         assert self.task is not None
         from ribs.archives import GridArchive  # a second or two, that whoever asks for help does not wait
 
-        dims = (self.settings.elongations, self.settings.fillings)[: len(self.measures)]
+        numbers = iter((self.settings.elongations, self.settings.fillings))
+        dims = [one.bins or next(numbers) for one in self.measures]
         ranges = [(one.low, one.high(self.task)) for one in self.measures]
         return GridArchive(solution_dim=(), dims=dims, ranges=ranges, extra_fields={"individual": ((), object)})
 
@@ -87,7 +102,7 @@ class Archive(Search):
         """
         s, nursery = self.settings, self.nursery
         given = given_and_mutants(start, s, rng)
-        bodies, growths = bodies_of_founders(s, nursery, self.kind, rng)
+        bodies, growths = bodies_of_founders(s, nursery, self.kind_of_body, rng)
         if not bodies and not any(grown.status == Status.OK for grown in nursery.map(nursery.grow, [one.genome for one in given])):
             raise ParameterError(f"settings.founders is {s.founders}: give more, no body of those that grew has a chamber")
         genomes = [graft(bodies[rng.integers(len(bodies))], random_founder(s, rng)) for _ in range(3 * s.population if bodies else 0)]
@@ -108,12 +123,13 @@ class Archive(Search):
         def draft(seed: int) -> Draft:
             own = np.random.default_rng(seed)
             name = names[own.choice(len(names), p=shares)]
-            return replace(self.emitters[name](elites, self.settings, nursery, own), by=name)
+            return replace(self.emitters[name](self.parents(elites, own), self.settings, nursery, own), by=name)
 
         children: list[Child] = []
         worth, growths, drawn = 0.0, 0, 0
         while worth < self.settings.population and drawn < 100 * self.settings.population:
             drafts = nursery.map(draft, rng.integers(2**62, size=_CHUNK).tolist())
+            nursery.map(lambda found: found.child and self.kind(nursery.grow(found.child.genome)), drafts)
             drawn += len(drafts)
             for found in drafts:
                 if worth >= self.settings.population:
@@ -122,6 +138,7 @@ class Archive(Search):
                 if found.child is None:
                     continue
                 grown = nursery.grow(found.child.genome)
+                growths, worth = growths + self.LOOK, worth + GROWTH * self.LOOK
                 kind = self.kind(grown)
                 if kind is not None and grown.key not in lived:
                     lived.add(grown.key)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import re
+import sys
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -43,6 +45,9 @@ examples:
   ros2 run evodevo_ga evolve --task chemotaxis --start bags/long
       begins from swimmers: half of the first population is the champion of a run and its mutants
 
+  ros2 run evodevo_ga evolve --rig /eel --start champion.yaml --population 10 --generations 3
+      on a body of rubber and air, that a driver has in the namespace /eel (docs/guide/hardware.md)
+
   ros2 run evodevo_ga evolve --resume bags/long --generations 2000
       goes on with a run, whatever ended it, to the same bits as if nothing had; --generations, --patience, --evaluations and --hours
       may be raised, nothing else changed
@@ -63,6 +68,8 @@ A second Ctrl-C ends at once, and keeps what was recorded.
 A closed output, as of `evolve | head`, ends nothing.
 """
 BACKENDS = ("ros", "local", "dask")
+_ONE_BODY = "one-body"  # the scheme of who has a rig
+_NAMESPACE = re.compile(r"/|(/[A-Za-z_]\w*)+")
 _NUMBER = {int: whole_number, float: real_number}
 
 
@@ -85,6 +92,7 @@ class Options:
     view: str | None = None  # the Rerun file of who watches, or nothing for the viewer; None: nobody does
     backend: str = "ros"  # one of BACKENDS
     scheduler: str = ""  # of Dask; empty: a cluster of our own
+    rig: str = ""  # namespace of a driver of hardware, whose body evaluates; empty: nobody has one
 
 
 def parse(arguments: list[str]) -> Options:
@@ -107,6 +115,8 @@ def parse(arguments: list[str]) -> Options:
     parser.add_argument(
         "--scheduler", default="", metavar="ADDRESS", help="dask: e.g. tcp://HOST:8786 (default: a worker of our own, a thread per core)"
     )
+    rigs = "evaluate on the body of a driver of hardware, one life after the other, beginning from --start; its networks alone vary"
+    parser.add_argument("--rig", metavar="NAMESPACE", help=rigs)
     threads = "threads of each simulator of our own (default: one a core in one simulator, or 1 where --simulators is given)"
     parser.add_argument("--threads", type=whole_number, metavar="N", help=threads)
     parser.add_argument(
@@ -144,13 +154,16 @@ def parse(arguments: list[str]) -> Options:
     if given.resume is not None:
         return _resumed(parser, given, without_ros(arguments))
     from evodevo_sim.genetics.genome import GenomeError
-    from evodevo_sim.genetics.genome_file import load_genome
+    from evodevo_sim.genetics.genome_file import read_genome
     from evodevo_sim.worlds import with_world
 
-    from .feasible import check
+    from .feasible import check, check_rig
+    from .usual import law_of, usual_task
 
     try:
-        task = default_task(given.task)
+        task = usual_task(given.task)
+        files = [read_genome(_genome_file(Path(place))) for place in given.start]
+        task = with_settings(task, law_of(files))
         if given.world is not None:
             task = with_world(task, given.world)
         numbers: dict[str, object] = {"development.max_cells": given.cells}
@@ -159,20 +172,27 @@ def parse(arguments: list[str]) -> Options:
         task = with_settings(task, numbers | (preset(given.preset) if given.preset else {}) | dict(pairs(given.set)))
         chosen = {field.name: getattr(given, field.name) for field in dataclasses.fields(Settings)}
         chosen = {name: value for name, value in chosen.items() if value is not None}
-        name = default_scheme(task.name, chosen, task.development.max_cells) if given.scheme is None else given.scheme
+        usual = _ONE_BODY if given.rig else default_scheme(task.name, chosen, task.development.max_cells)
+        name = usual if given.scheme is None else given.scheme
         settings = Settings(**scheme(name, task.name) | chosen)
         search_of(settings, name)
-        start = tuple(load_genome(_genome_file(Path(place))) for place in given.start)
+        start = tuple(file.genome for file in files)
         if len(start) > settings.population:
             raise ParameterError(f"--start gives {len(start)} genomes to a population of {settings.population}: give fewer")
         check(task, settings, start)
+        if given.rig:
+            check_rig(task, start)
         if given.evaluations is not None and given.evaluations < settings.population:
             raise ParameterError(f"--evaluations is {given.evaluations}: give {settings.population} or more, a batch of evaluations")
+        bred = [file.bred_otherwise(task) for file in files]
     except (ParameterError, GenomeError) as error:
         parser.error(str(error))
+    for place, other in zip(given.start, bred):
+        if other:
+            print(f"{parser.prog}: {place} was bred with {other}: give that by --set, or its body is another one", file=sys.stderr)
     out = Path(given.out or f"bags/{task.name}-{datetime.now():%Y%m%d-%H%M%S}")
-    limits, sources = Limits(given.evaluations, given.hours), tuple(given.start)
-    return Options(task, settings, given.seed, out, start=start, scheme=name, limits=limits, sources=sources, **_how(given))
+    limits, sources, rig = Limits(given.evaluations, given.hours), tuple(given.start), given.rig or ""
+    return Options(task, settings, given.seed, out, start=start, scheme=name, limits=limits, sources=sources, rig=rig, **_how(given))
 
 
 def _how(given: Any) -> dict[str, Any]:
@@ -186,6 +206,11 @@ def _check_numbers(parser: Parser, given: Any) -> None:
         parser.error(f"--backend is {shown(given.backend)}: choose one of {', '.join(BACKENDS)}")
     if given.scheduler and given.backend != "dask":
         parser.error(f"--scheduler is given where the backend is {given.backend}: add --backend dask, or leave it out")
+    others = [f"--{name}" for name in ("simulators", "threads", "scheduler") if getattr(given, name)]
+    if given.rig is not None and (others or given.backend != "ros"):
+        parser.error(f"{(others or ['--backend'])[0]} is given beside --rig: leave it out, the body of the rig alone evaluates")
+    if given.rig is not None and not _NAMESPACE.fullmatch(given.rig):
+        parser.error(f"--rig is {shown(given.rig)}: give the namespace of a driver, e.g. /eel")
     if given.simulators is not None and given.backend != "ros":
         parser.error(f"--simulators is given where the backend is {given.backend}: leave it out; --threads says how many threads work")
     if given.threads is not None and given.scheduler:
@@ -220,7 +245,7 @@ def _resumed(parser: Parser, given: Any, arguments: list[str]) -> Options:
     e = run.evolution
     return Options(
         run.task, e.settings, e.seed, run.directory, start=e.start, scheme=e.scheme, limits=run.limits, sources=run.sources, resumed=run,
-        **_how(given),
+        rig=run.rig, **_how(given),
     )
 
 

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 import threading
 import time
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
+from evodevo_sim.kernels.jit import is_compiled
+from evodevo_sim.ros.own_simulators import end_with_parent
 from evodevo_sim.tasks.audit import Audit, audit
 
 from evodevo_sim import Task
@@ -15,6 +19,12 @@ from evodevo_sim import Task
 from .evolution import Individual
 
 _NICE = 10  # of the thread that audits: simulators go first
+_COMPILE = """
+import sys
+from evodevo_sim.parameters import default_task
+from evodevo_sim.tasks.audit import prepare
+prepare(default_task(sys.argv[1]))
+"""
 
 
 @dataclass(frozen=True)
@@ -37,12 +47,32 @@ class Auditor:
         self._pool = ThreadPoolExecutor(1, "audit", _step_back)
         self._under_way: list[tuple[int, Individual, Future]] = []
         self.done, self.cpu = 0, 0.0
+        self._compiler: subprocess.Popen | None = None
+        self._ending = False
 
     def __enter__(self) -> Auditor:
+        kernel = self._task.kind.audit_kernel
+        if kernel and not is_compiled(kernel):
+            self._pool.submit(self._compile)
         return self
 
     def __exit__(self, *_: object) -> None:
+        self._ending = True
+        if self._compiler is not None and not self._under_way:
+            self._compiler.terminate()
         self._pool.shutdown(wait=True, cancel_futures=True)
+
+    def _compile(self) -> None:
+        """Compile the kernels of audits in another process: in a thread of this one, the run would wait for it again and again."""
+        if self._ending:
+            return
+        command = [sys.executable, "-c", _COMPILE, self._task.name]
+        with open(os.devnull, "wb") as nothing, subprocess.Popen(
+            command, stdin=subprocess.DEVNULL, stdout=nothing, stderr=nothing, start_new_session=True,
+            preexec_fn=end_with_parent,  # noqa: PLW1509  (it takes no lock: a call of the system alone)
+        ) as self._compiler:
+            self._compiler.wait()  # where it fails, the first audit compiles and says why
+        self._compiler = None
 
     def submit(self, generation: int, champion: Individual) -> None:
         future = self._pool.submit(self._audit, champion)

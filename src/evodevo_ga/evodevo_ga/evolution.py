@@ -72,7 +72,7 @@ class Evolution:
         self.start = tuple(start)
         self.scheme = scheme
         self.search = search_of(settings, scheme)
-        self.search.task = task
+        self.search.task, self.search.start = task, self.start
         self.population: list[Individual] = []
         self.children: list[Individual] = []
         self.generation = -1

@@ -9,11 +9,11 @@ from contextlib import ExitStack
 
 import rclpy
 from evodevo_sim.command_process import heeded
+from evodevo_sim.parameters import ParameterError
 from evodevo_sim.recording import RecordingError
 from evodevo_sim.recording.guarded import GuardedRecorder
 from evodevo_sim.ros.environment import EnvironmentFault, started
 from evodevo_sim.ros.process import stay_on_this_host
-from evodevo_sim.tasks import audit
 from evodevo_sim.tasks.evaluation import prepare
 from evodevo_sim.view.files import OutputError
 from evodevo_sim.view.run_view import RunView
@@ -30,6 +30,7 @@ from .pool.vigil import PoolError
 from .run.backends import check_backend
 from .run.loop import Run
 from .run.recorded import Recorded, recorded_in
+from .run.rig import find_body
 from .times import START, Times
 
 
@@ -66,13 +67,14 @@ def evolve(options: Options, arguments: list[str]) -> int:
             recorded = recorded_in(options.out)
             _refuse_finished(options, recorded)
             return _run(options, arguments, recorded)
-    except (EnvironmentFault, OutputError, RecordingError, PoolError, KeepingError, ResumeError) as error:
+    except (EnvironmentFault, OutputError, RecordingError, PoolError, KeepingError, ParameterError, ResumeError) as error:
         print(f"evolve: {error}", file=sys.stderr)
         return 2
 
 
 def _run(options: Options, arguments: list[str], recorded: Recorded) -> int:
     stop, times = _Stop(), Times()
+    body = find_body(options, arguments) if options.rig else None
     view = None if options.view is None else RunView(options.out.name, options.task, options.view)  # it may refuse before anything is made
     with ExitStack() as stack:
         recorder = stack.enter_context(GuardedRecorder(options.out, go_on=options.resumed is not None))
@@ -87,10 +89,9 @@ def _run(options: Options, arguments: list[str], recorded: Recorded) -> int:
         executor.add_node(node)
         with times(START):
             prepare(options.task)  # before simulators start, so that they only load the kernels
-            audit.prepare(options.task)
         stack.enter_context(heeded(stop.ask))
         auditor = stack.enter_context(Auditor(options.task, options.seed))
-        return Run(options, recorder, auditor, stop, times, node, executor, began, recorded=recorded).go()
+        return Run(options, recorder, auditor, stop, times, node, executor, began, recorded=recorded, body=body).go()
 
 
 def _refuse_other(options: Options) -> None:

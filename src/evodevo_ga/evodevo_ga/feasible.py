@@ -24,6 +24,14 @@ def check(task: Task, settings: Settings, start: Sequence[Genome] = ()) -> None:
     _check_archive(task, settings)
 
 
+def check_rig(task: Task, start: Sequence[Genome]) -> None:
+    """Raises ParameterError where a run cannot go on hardware."""
+    if task.name != "swim":
+        raise ParameterError(f"--task is {task.name}: give swim with --rig, where nobody carries a body back to where it started")
+    if not start:
+        raise ParameterError("--rig is given without --start: give a genome that grows the body of the rig")
+
+
 def _check_growth(task: Task) -> None:
     d = task.development
     if d.max_cells < _LEAST_CELLS:

@@ -32,8 +32,12 @@ class Nursery:
         key = genome.key()
         found = self._bodies.get(key)
         if found is None:
-            found = self._bodies[key] = grow(genome, self.task)
+            found = self._bodies[key] = self.new(genome)
         return found
+
+    def new(self, genome: Genome) -> Grown:
+        """A body that is not remembered."""
+        return grow(genome, self.task)
 
     def map(self, work: Callable[[Any], Any], items: Iterable[Any]) -> list[Any]:
         """What `work` makes of each item, in their order, side by side."""

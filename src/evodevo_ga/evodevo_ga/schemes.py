@@ -24,6 +24,9 @@ _PANMICTIC = f"{__package__}.panmictic:Panmictic"
 _LAYERS = f"{__package__}.layers:Layers"
 _NICHES = f"{__package__}.niches:Niches"
 _ARCHIVE = f"{__package__}.archive:Archive"
+_GAITS = f"{__package__}.gaits:Gaits"
+_UNLIKE = {"elongations": 12, "fillings": 6, "redraws": 8, "founders": 2500, "units": 44, "apart": 9.0, "tournament": 10}
+_ONE_BODY = f"{__package__}.one_body:OneBody"
 
 
 @dataclass(frozen=True)
@@ -75,9 +78,11 @@ for _scheme in (
     Scheme("paper", "its baseline", {"generations": UNLIMITED, "tournament": 2, "point_mutation": 0.1, "point_scale": 3.0, "flip": 0.0}),
     Scheme("alps", "age layers", {"layers": 5}, _LAYERS),
     Scheme("niches", "of body shapes", {"niches": 5, "founders": 1000, "point_decades": 1.0, "tournament": 2}, _NICHES),
+    Scheme("archive", "of unlike bodies", _UNLIKE, _ARCHIVE),
+    Scheme("gaits", "an archive of unlike bodies with unlike gaits", _UNLIKE, _GAITS),
     Scheme(
-        "archive", "of unlike bodies",
-        {"elongations": 12, "fillings": 6, "redraws": 8, "founders": 2500, "units": 44, "apart": 9.0, "tournament": 10}, _ARCHIVE,
+        "one-body", "networks alone, of the body that is given",
+        {"redraws": 8, "units": 44, "apart": 9.0, "tournament": 2, "start_share": 1.0}, _ONE_BODY,
     ),
 ):
     register(_scheme)

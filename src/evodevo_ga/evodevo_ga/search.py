@@ -21,10 +21,12 @@ class Search(ABC):
     All randomness comes from the `rng` given, which is new in each generation.  `first` and `breed` change nothing: what a search
     learns, it learns in `survive` and gives away in `state`.  So a run that goes on from its state has the same bits.
 
-    Attributes: task: of the run, for searches that look at bodies before they live; None where the run was not told.
+    Attributes: task: of the run, for searches that look at bodies before they live; None where the run was not told; start: the
+    genomes that the run began with.
     """
 
     task: Task | None = None
+    start: Sequence[Genome] = ()
 
     def __init__(self, settings: Settings):
         self.settings = settings

@@ -1,7 +1,7 @@
 # What can stand after `ros2 run evodevo_sim`; made by scripts/completion.py.
 _evodevo_words_evodevo_sim() {
     case "$1 $2" in
-        " ") echo "audit chase conform driver emulate figure film gait info replay request simulate simulator turning" ;;
+        " ") echo "audit chase compare conform driver emulate figure film gait identify info replay request simulate simulator turning" ;;
         "audit ") echo "--help --set --task --within" ;;
         "audit -") echo "<files>" ;;
         "audit --set") echo "<any>" ;;
@@ -21,6 +21,9 @@ _evodevo_words_evodevo_sim() {
         "chase --set") echo "<any>" ;;
         "chase --simulator") echo "<any>" ;;
         "chase --targets") echo "<files>" ;;
+        "compare ") echo "--csv --help" ;;
+        "compare -") echo "<files>" ;;
+        "compare --csv") echo "<files>" ;;
         "conform ") echo "--genome --help --json --list --only --patience" ;;
         "conform -") echo "<any>" ;;
         "conform --genome") echo "<files>" ;;
@@ -61,6 +64,14 @@ _evodevo_words_evodevo_sim() {
         "gait --out") echo "<files>" ;;
         "gait --palette") echo "paper safe" ;;
         "gait --set") echo "<any>" ;;
+        "identify ") echo "--fit --help --others --out --rig --set -o" ;;
+        "identify -") echo "<files>" ;;
+        "identify --fit") echo "<any>" ;;
+        "identify --others") echo "<files>" ;;
+        "identify --out") echo "<files>" ;;
+        "identify --rig") echo "<files>" ;;
+        "identify --set") echo "<any>" ;;
+        "identify -o") echo "<files>" ;;
         "info ") echo "--help --json" ;;
         "info -") echo "<files>" ;;
         "replay ") echo "--cell --help --no-viewer --palette --picture --png --save --show" ;;

@@ -1,7 +1,8 @@
 """evodevo_sim: genome -> regulation -> development -> body -> locomotion, without ROS.
 
-    from evodevo_sim import evaluate, load_genome
-    evaluation = evaluate(load_genome("champion.yaml"))
+    from evodevo_sim import evaluate, read_genome
+    file = read_genome("champion.yaml")
+    evaluation = evaluate(file.genome, file.task())
 
 All of it is imported when the first name is asked for.
 """
@@ -19,9 +20,9 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
-    "BodyError", "Development", "Evaluation", "Genome", "GenomeError", "Material", "Metrics", "Motion", "OwnBody",
+    "BodyError", "Development", "Evaluation", "Genome", "GenomeError", "GenomeFile", "Material", "Metrics", "Motion", "OwnBody",
     "ParameterError", "Performance", "Scene", "Status", "Task", "champions", "evaluate", "load_body", "load_champion", "load_genome",
-    "make_own_body", "parse_genome", "perform", "random_genome", "save_genome", "simulate_body",
+    "make_own_body", "parse_genome", "perform", "random_genome", "read_genome", "save_genome", "simulate_body",
 ]
 
 

@@ -13,6 +13,7 @@ import json
 import os
 import re
 import stat
+from collections.abc import Sequence
 from datetime import datetime, timedelta, timezone
 from typing import Any
 
@@ -27,7 +28,7 @@ from yaml.events import (
     SequenceStartEvent,
 )
 
-from .inputs import LONGEST_NUMBER, InputError, decimal, shown
+from .inputs import LONGEST_NUMBER, InputError, decimal, nearest, shown
 
 MOST_BYTES = 16_000_000  # a genome of 100,000 elements has up to 10,000,000, a world of two profiles of 100,000 points 12,000,000
 MOST_VALUES = 1_000_000  # that genome has 900,000 keys and values
@@ -215,3 +216,12 @@ def _can_be(date):
     except ValueError:
         return False
     return True
+
+
+def check_keys(error: type[InputError], document: Any, known: Sequence[str], where: str) -> None:
+    """Raise `error` where a section is no mapping, or has a key that is not known.  Args: where: the section; empty: the file."""
+    if not isinstance(document, dict):
+        raise error(f"{where or 'the file'} is {shown(document)}: give the keys {', '.join(known)}")
+    for key in document:
+        if key not in known:
+            raise error(f"unknown key {shown(f'{where}.{key}' if where else str(key))}: did you mean {nearest(key, known)!r}?")

@@ -32,6 +32,7 @@ _FAR = 10.0  # s without a word of one on another host
 _LOST = 1.0  # s after which a request is lost of which the simulator knows nothing
 _ASK_AGAIN = 5.0  # s without an answer at the least, and doubled each time
 _TIMES = 4.0  # the longest that it took to answer
+HARDWARE = "hardware"  # what a driver says in the place of its code
 _ids = itertools.count(random.SystemRandom().getrandbits(62) + 1)
 
 
@@ -213,7 +214,9 @@ class Simulator:
 
     def _check(self, about: Worker) -> None:
         self._refused = about.code != code_hash()
-        if self._refused:
+        if about.code == HARDWARE:
+            self._say(f"{self.service} is of hardware, which is not used beside simulators: evolve on it by --rig")
+        elif self._refused:
             self._say(
                 f"simulator {self.service} on {about.host} is not used: its code ({about.version}, {about.code[:16]}) is not ours "
                 f"({code_hash()}): install the same version on both"

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 from evodevo_sim.inputs import InputError
-from evodevo_sim.tasks.grown import Grown, grow
+from evodevo_sim.tasks.grown import Grown
 from evodevo_sim.tasks.outcome import FAILURE, Status
 from evodevo_sim.view.body_map import Axis
 
@@ -29,6 +29,7 @@ _TITLES: dict[str, tuple[str, Callable[[float], float]]] = {
     "cells": ("cells", float),
     "sprawl": ("radius of gyration over that of a round body of as many cells", float),
     "asymmetry": ("how unlike front and back are, m", float),
+    "beat": ("beat of the muscles: 0 still, 1 of a part, 2 pulse, 3 sides against each other, 4 wave", float),
 }
 
 
@@ -84,13 +85,13 @@ def read_content(directory: Path) -> tuple[Content, list[str]]:
             "the line of its champion, `ros2 run evodevo_sim replay` its life"
         )
     search.task = task
-    x, y, animals = _placed(search, individuals, task)
+    x, y, animals = _placed(search, individuals)
     if not animals:
         raise GalleryError(f"{directory}: nobody lives in its archive yet: evolve it longer, by --resume")
     return Content(directory.resolve().name, scheme, seed, generation, evaluations, task, x, y, animals), notes
 
 
-def _placed(search: Any, individuals: list[Individual], task: Task) -> tuple[Axis, Axis, tuple[Animal, ...]]:
+def _placed(search: Any, individuals: list[Individual]) -> tuple[Axis, Axis, tuple[Animal, ...]]:
     """The axes of an archive, and who is in which cell.  Of more than two measures the first two are drawn, and the fittest of a cell."""
     grid = search.grid()
     axes = [
@@ -102,7 +103,7 @@ def _placed(search: Any, individuals: list[Individual], task: Task) -> tuple[Axi
     for one in individuals:
         if one.evaluation.status in FAILURE or one.evaluation.status == Status.STOPPED:
             continue
-        grown = grow(one.genome, task)
+        grown = search.nursery.grow(one.genome)
         kind = search.kind(grown)
         if kind is None:
             continue

@@ -33,10 +33,22 @@ def map_of(content: Content, lives: Sequence[Life]) -> BodyMap:
     shown = [life.shown for life in lives]
     facts = [
         f"{len(lives)} of {content.x.bins * content.y.bins} kinds", gaits_in(shown), f"best {max(one.fitness for one in shown):.4g} m",
-        audited(lives), f"{content.evaluations} evaluations, seed {content.seed}",
+        audited(lives), best_that_stands(lives), f"{content.evaluations} evaluations, seed {content.seed}",
     ]
     title = f"{content.name}: unlike animals that {'walk' if content.task.has_ground else 'swim'}"
     return BodyMap(title, _BETWEEN.join(filter(None, facts)), content.x, content.y, shown, frame_time(content.task))
+
+
+def best_that_stands(lives: Sequence[Life]) -> str:
+    """The fittest whose audit stands, in words, where the fittest of all fails."""
+    best = max(lives, key=lambda life: life.shown.fitness)
+    others = [life for life in lives if life.stands]
+    if best.stands is not False:
+        return ""
+    if not others:
+        return "none that stands"
+    other = max(others, key=lambda life: life.shown.fitness)
+    return f"best that stands {other.shown.fitness:.4g} m ({other.file})"
 
 
 def audited(lives: Sequence[Life]) -> str:

@@ -101,7 +101,7 @@ def folder_of(directory: Path) -> Path:
 def keep(lives: Sequence[Life], content: Content, folder: Path) -> None:
     """Write each animal's genome, and the table of all; those of cells that are empty go.  Raises OSError."""
     for life in lives:
-        save_genome(folder / life.file, life.animal.individual.genome, _about(life, content))
+        save_genome(folder / life.file, life.animal.individual.genome, _about(life, content), content.task.development)
     known = {life.file for life in lives}
     for name in os.listdir(folder):
         if _NAMED.fullmatch(name) and name not in known:

@@ -1,7 +1,7 @@
 """Checkpoints: all that a run is after a generation, in a file of JSON that goes on with the same bits.
 
     {"evodevo_checkpoint":1,"program":"0.4.0","code":"…","sha256":"…",
-    "run":{"settings_hash":…,"task":…,"limits":…,"sources":…,"champion":…,"history":…,"evolution":…}}
+    "run":{"settings_hash":…,"task":…,"limits":…,"sources":…,"rig":…,"champion":…,"history":…,"evolution":…}}
 
 The hash is that of everything behind the first line: `tail -n +2 checkpoint.json | sha256sum`.  What the file holds follows from the
 run alone, without times and names of computers, so that two runs are equal where their files are.
@@ -47,14 +47,18 @@ def settings_hash(evolution: Evolution, task: Task) -> str:
 class Checkpoints:
     """Writes the checkpoints of a run.
 
-    Args: sources: names of the files that the start genomes came from; files: the calls of the file system.
+    Args: sources: names of the files that the start genomes came from; files: the calls of the file system; rig:
+        namespace of the driver whose body evaluates, if it is one.
     """
 
-    def __init__(self, directory: Path, evolution: Evolution, task: Task, limits: Limits, sources: tuple[str, ...], files: Files = FILES):
+    def __init__(
+        self, directory: Path, evolution: Evolution, task: Task, limits: Limits, sources: tuple[str, ...], files: Files = FILES,
+        rig: str = "",
+    ):
         self._path, self._files, self._evolution, self._texts = directory / NAME, files, evolution, Texts()
         about = {
             "settings_hash": settings_hash(evolution, task), "task": dataclasses.asdict(task), "limits": dataclasses.asdict(limits),
-            "sources": sources,
+            "sources": sources, "rig": rig,
         }
         self._head = ",\n".join(f'"{name}":{compact(value)}' for name, value in about.items())
         self._start = listed([compact(plain_genome(genome)) for genome in evolution.start])

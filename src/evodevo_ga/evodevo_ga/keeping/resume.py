@@ -48,6 +48,7 @@ class Resumed:
     champion_generation: int
     history: dict[str, Any]
     notes: tuple[str, ...] = ()
+    rig: str = ""  # namespace of the driver whose body evaluates, if it is one
 
 
 def resumed(directory: Path, given: Mapping[str, Any] = {}) -> Resumed:
@@ -65,7 +66,7 @@ def resumed(directory: Path, given: Mapping[str, Any] = {}) -> Resumed:
         best = None if champion["individual"] is None else individual_of_plain(champion["individual"])
         found = Resumed(
             directory, task, evolution, limits, tuple(map(str, run["sources"])), best, int(champion["generation"]), run["history"],
-            tuple(notes),
+            tuple(notes), str(run["rig"]),
         )
         told = run["settings_hash"]
     except (ParameterError, GenomeError) as error:
@@ -118,6 +119,7 @@ def _before(found: Resumed, name: str, value: Any) -> str | None:
     same: dict[str, Any] = {
         **{field.name: getattr(evolution.settings, field.name) for field in dataclasses.fields(Settings)},
         "task": task.name, "cells": task.development.max_cells, "starts": task.starts, "seed": evolution.seed, "scheme": evolution.scheme,
+        "rig": found.rig,
     }
     if name in same:
         return None if value == same[name] else shown(same[name])

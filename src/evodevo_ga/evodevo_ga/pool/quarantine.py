@@ -20,7 +20,8 @@ def set_apart(run: Path | None, genome: Genome, task: Task, seed: int, cause: st
     path = run / DIRECTORY / f"{hashlib.sha256(genome.key()).hexdigest()[:12]}.yaml"
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        save_genome(path, genome, {"task": task.name, "cells": task.development.max_cells, "seed": seed, "quarantined": cause})
+        about = {"task": task.name, "cells": task.development.max_cells, "seed": seed, "quarantined": cause}
+        save_genome(path, genome, about, task.development)
     except OSError as error:
         return f"; it could not be kept: {error.strerror}"
     return f"; it is in {path}"

@@ -13,6 +13,7 @@ from evodevo_sim.worlds import PRESETS, with_world
 
 from ..schemes import default_scheme, scheme
 from ..settings import UNLIMITED, Settings
+from ..usual import usual_task
 
 _CELLS = 32  # of `evolve` without --cells
 
@@ -51,7 +52,7 @@ def _settings(name: str, task: str) -> Settings:
 
 
 def _usual_task(name: str) -> Task:
-    return with_settings(default_task(name), {"development.max_cells": _CELLS})
+    return with_settings(usual_task(name), {"development.max_cells": _CELLS})
 
 
 def world_of(task: Task) -> str:

@@ -11,6 +11,7 @@ import numpy as np
 from evodevo_sim.analysis.gait.table import headline
 from evodevo_sim.analysis.stretches import holes
 from evodevo_sim.genetics.genome_file import genome_text
+from evodevo_sim.parameters import Development
 from evodevo_sim.recording.life import contrasting_cells, period_of
 from evodevo_sim.ros.messages import genome_from_message
 from evodevo_sim.task_kinds import kind_of
@@ -181,6 +182,7 @@ def descent_section(run: Run) -> str:
 def commands_section(run: Run) -> str:
     """What to type to repeat the run, and to look at it; genomes and worlds as files."""
     told, parts, files = run.told, [], {}
+    law = Development() if run.task is None else run.task.development
     links = []
     if run.task is not None and run.settings is not None:
         if not world_of(run.task):
@@ -190,13 +192,13 @@ def commands_section(run: Run) -> str:
         if 0 < len(genomes) <= _MOST_GENOMES:
             names = [f"{run.name}-start-{k}.yaml".replace(" ", "-") for k in range(len(genomes))]
             files["start"] = " ".join(names)
-            links += [download(name, genome_text(genome_from_message(one))) for name, one in zip(names, genomes)]
+            links += [download(name, genome_text(genome_from_message(one), None, law)) for name, one in zip(names, genomes)]
         elif genomes:
             parts.append(paragraph(f"It began from {len(genomes)} genomes, which the recording holds and this page does not.", "about"))
         parts.append(commands([command(run.task, run.settings, told.seed, told.scheme, files)]))
     if run.champion is not None:
         about = {"task": told.task.name, "generation": run.champion.generation, "fitness": repr(run.champion.evaluation.fitness)}
-        links.insert(0, download(f"{run.name}-champion.yaml", genome_text(genome_from_message(run.champion.genome), about)))
+        links.insert(0, download(f"{run.name}-champion.yaml", genome_text(genome_from_message(run.champion.genome), about, law)))
     path = shlex.quote(str(run.path))
     look = [f"ros2 run evodevo_sim replay {path}", f"ros2 run evodevo_sim film {path} -o film.html"]
     if run.champion is not None:

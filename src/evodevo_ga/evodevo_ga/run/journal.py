@@ -24,6 +24,7 @@ from ..messages import audit_message, champion_message, evolution_message, stati
 from .recorded import Recorded
 
 _NOT_AUDITED = "not audited"
+_ON_HARDWARE = "none: it lived on hardware, which no audit repeats"
 
 
 class Journal:
@@ -41,15 +42,17 @@ class Journal:
         )
         self.champion: Individual | None = None
         self._of = -1  # generation of the champion
-        self.verdict = _NOT_AUDITED
+        self.verdict = self._not_audited = _ON_HARDWARE if options.rig else _NOT_AUDITED
         self.history = History(options.out)
         self.sessions = Sessions(options.out, evolution.generation)
-        self._checkpoints = Checkpoints(options.out, evolution, options.task, options.limits, options.sources)
+        self._checkpoints = Checkpoints(options.out, evolution, options.task, options.limits, options.sources, rig=options.rig)
 
-    def begin(self) -> None:
-        """Record the settings of the run; and take up what it did before, if it did anything."""
+    def begin(self, channels: Any = None) -> None:
+        """Record the settings of the run; and take up what it did before, if it did anything.  Args: channels: of its hardware."""
         o = self._options
         self._recorder.write(topics.SETTINGS.name, evolution_message(o.settings, o.task, o.seed, o.start, o.scheme), time.time_ns())
+        if channels is not None:
+            self._recorder.write(topics.CHANNELS.name, channels, time.time_ns())
         if o.resumed is None:
             FILES.sync_directory(o.out.resolve().parent)
             self._checkpoints.write(None, -1, self.history.kept())
@@ -90,7 +93,7 @@ class Journal:
             self._recorder.write(topics.STATISTICS.name, message, now)
         if generation.improved:
             champion = self.champion = self._evolution.champion
-            self._of, self.verdict = number, _NOT_AUDITED
+            self._of, self.verdict = number, self._not_audited
             told = champion_message(number, champion, now * 1e-9)
             if number not in self._recorded.champions:
                 self._recorder.write(topics.CHAMPION.name, told, now)
@@ -111,7 +114,7 @@ class Journal:
         self.sessions.write(generation.generation)
 
     def _audit(self, generation: int, champion: Individual) -> None:
-        if self._options.task.kind.audit is not None and not champion.evaluation.cause:
+        if self._options.task.kind.audit is not None and not champion.evaluation.cause and not self._options.rig:
             self._auditor.submit(generation, champion)
 
     def finish_audits(self, stop: Callable[[], bool]) -> None:
@@ -141,4 +144,4 @@ class Journal:
             "task": task.name, "cells": task.development.max_cells, "seed": self._options.seed, "generation": generation,
             "fitness": repr(e.fitness), "distance": repr(e.metrics.distance), "audit": self.verdict,
         }
-        save_genome(self._options.out / "champion.yaml", champion.genome, about)
+        save_genome(self._options.out / "champion.yaml", champion.genome, about, task.development)

@@ -23,6 +23,7 @@ from ..times import AUDITS, BREEDING, EVALUATION, RECORDING, Times, table
 from .journal import Journal
 from .outcome import go_on, record_life, told, why_nothing_evolved
 from .recorded import Recorded
+from .rig import Body, Rig
 from .simulators import evaluator_of
 
 
@@ -30,15 +31,17 @@ class Run:
     """A run around an `Evolution`.
 
     Args: node, executor: of rclpy; began: s, by the monotonic clock, when the node was made; stop: whether the user asked to stop;
-        recorded: what the recording holds of a run that goes on.
+        recorded: what the recording holds of a run that goes on; body: of its hardware, if it has one.
     """
 
     def __init__(
         self, options: Options, recorder: Recorder, auditor: Auditor, stop: Callable[[], bool], times: Times, node: Any, executor: Any,
-        began: float, *, recorded: Recorded,
+        began: float, *, recorded: Recorded, body: Body | None = None,
     ):
         self.options, self.recorder, self.auditor, self.stop, self.times = options, recorder, auditor, stop, times
         self._node, self._executor, self._began = node, executor, began
+        self._body = body
+        self._rig = Rig(node, executor, options.rig, tqdm.write, options.give_up_after) if body else None
         resumed = options.resumed
         self.evolution = resumed.evolution if resumed else Evolution(
             options.settings, options.seed, options.start, options.scheme, options.task
@@ -48,18 +51,22 @@ class Run:
     def go(self) -> int:
         """Returns: the exit code.  Raises PoolError when nobody can evaluate any more; what was done is kept then too."""
         try:
-            self.journal.begin()
+            self.journal.begin(self._body and self._body.channels)
             if self._ended:  # after its last generation, while it was finishing
                 return self._finish()
-            with evaluator_of(self.options, self._node, self._executor, self.times, self.stop, self._began) as evaluator:
-                self._evolve(evaluator)
+            if self._rig:
+                print(f"Evolving on the body of {self.options.rig}; recording to {self.options.out}", flush=True)
+                self._evolve(self._rig)
+            else:
+                with evaluator_of(self.options, self._node, self._executor, self.times, self.stop, self._began) as evaluator:
+                    self._evolve(evaluator)
         except PoolError:
             if self.evolution.population:
                 self._finish()
             raise
         return self._finish()
 
-    def _evolve(self, evaluator: Pool) -> None:
+    def _evolve(self, evaluator: Pool | Rig) -> None:
         most = None if self.options.settings.generations == UNLIMITED else self.options.settings.generations
         done, often = self.evolution.generation + 1, 0.1 if sys.stderr.isatty() else 5.0
         with tqdm(total=most, initial=done, unit="gen", disable=self.options.quiet, mininterval=often) as bar:
@@ -75,7 +82,7 @@ class Run:
                 )
                 bar.update()
 
-    def _generation(self, evaluator: Pool) -> tuple[Generation, float] | None:
+    def _generation(self, evaluator: Pool | Rig) -> tuple[Generation, float] | None:
         """One generation, recorded, and its evaluations/s; None where the user asked to stop."""
         o, champion, began = self.options, self.journal.champion, time.monotonic()
         with self.times(BREEDING):
@@ -109,7 +116,7 @@ class Run:
             self.journal.history.write()
         with self.times(AUDITS):
             self.journal.finish_audits(self.stop)
-        gait = record_life(champion, self.options, self.recorder, self.times)
+        gait = record_life(champion, self.options, self.recorder, self.times, self._rig, self.stop)
         viable = not champion.evaluation.cause
         if not viable:
             print(f"evolve: {why_nothing_evolved(self.evolution.population)}", file=sys.stderr)

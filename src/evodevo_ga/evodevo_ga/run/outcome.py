@@ -5,12 +5,13 @@ from __future__ import annotations
 import shlex
 import time
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from evodevo_sim.analysis.gait import GaitError, analyse, track_of_performance
 from evodevo_sim.analysis.gait.table import headline
 from evodevo_sim.recording import record_performance
+from evodevo_sim.recording.performance import seen_alone
 from evodevo_sim.recording.writer import Recorder
 from evodevo_sim.ros import topics
 from evodevo_sim.ros.command_line import see_it
@@ -22,17 +23,22 @@ from evodevo_sim import perform
 from ..arguments import Options
 from ..evolution import Evolution, Individual
 from ..times import CHAMPION, RECORDING, Times
+from .rig import Rig
 
 _BLOWN = "lower drag, stiffness, damping or pressure, or shorten task.control_step, by --set"
 _MEND = {Status.UNSTABLE: _BLOWN, Status.INVERTED: "raise material.pressure, by --set, or give another --seed"}
 
 
-def record_life(champion: Individual, options: Options, recorder: Recorder, times: Times) -> str:
-    """Record the whole life of a champion, and its gait.  Returns: the gait in words."""
+def record_life(
+    champion: Individual, options: Options, recorder: Recorder, times: Times, rig: Rig | None = None,
+    stop: Callable[[], bool] = lambda: False,
+) -> str:
+    """Record the whole life of a champion, and its gait.  Returns: the gait in words.  Args: rig: on which it lives, until `stop()`."""
     with times(CHAMPION):
-        performance = perform(champion.genome, options.task, options.seed)
+        genome, task, seed = champion.genome, options.task, options.seed
+        performance = rig.perform(genome, task, seed, stop) if rig else perform(genome, task, seed)
         try:
-            gait = analyse(track_of_performance(performance, options.task)).gait
+            gait = analyse(track_of_performance(seen_alone(performance), options.task)).gait
         except GaitError as error:
             told = f"none, {error}"
         else:

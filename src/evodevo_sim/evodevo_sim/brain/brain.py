@@ -35,7 +35,7 @@ class Brain(NamedTuple):
 def make_brain(weights, units, embryo, given_inputs, continual):
     """The brain of an embryo's body: its network without what only growth needs, its concentrations as growth left them."""
     cells = embryo.position.shape[0]
-    network = prune(weights, units, np.array([False, False, True, True]), given_inputs, cells)
+    network = prune(weights, units, (False, False, True, True), given_inputs, cells)
     past = embryo.past if continual else _keep_read(embryo.past, weights, units, given_inputs, network)
     spread = make_spread(network, cells)
     share_out(embryo.start, cells, spread)
@@ -50,10 +50,15 @@ def make_brain(weights, units, embryo, given_inputs, continual):
 @kernel
 def _keep_read(past, weights, units, given_inputs, network):
     """Variant A: of the history of growth, the morphogens that locomotion still reads."""
-    grown = prune(weights, units, np.array([True, True, True, True]), given_inputs, past.shape[2])
+    grown = prune(weights, units, (True, True, True, True), given_inputs, past.shape[2])
     kept = np.empty((past.shape[0], network.morphogens.size, past.shape[2]))
     for row, morphogen in enumerate(network.morphogens):
-        kept[:, row] = past[:, np.searchsorted(grown.morphogens, morphogen)]
+        was = 0
+        while grown.morphogens[was] != morphogen:
+            was += 1
+        for step in range(past.shape[0]):
+            for i in range(past.shape[2]):
+                kept[step, row, i] = past[step, was, i]
     return kept
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..development.growth import REST
-from ..kernels.jit import lean
+from ..kernels.jit import lean, seam
 from .brain import Brain, brain_unrest, think
 from .scent import Signals, disturb, make_signals, scent_row, sense
 
@@ -24,7 +24,7 @@ class Rules(NamedTuple):
     signals: Signals
 
 
-@lean
+@seam
 def brain_step(brain, position, rules, step):
     """One control step of every cell, in place: it smells, its network moves, noise disturbs it.  Args: position (2, N) m."""
     signals = rules.signals

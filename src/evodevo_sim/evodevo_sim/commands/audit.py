@@ -47,6 +47,11 @@ def main(arguments: list[str] | None = None) -> int:
         if given.within is not None and not 0.0 < given.within <= 1.0:
             raise ParameterError(f"--within is {given.within!r}: give a number above 0, up to 1")
         champion = champion_of(given.source, pairs(given.set), given.task, warn(parser.prog))
+        if champion.hardware:
+            raise ParameterError(
+                f"{given.source} lived on the body {champion.hardware[:40]!r}, which no audit repeats: give its champion.yaml to audit the "
+                "genome in simulation, or see compare"
+            )
         say_if_compiling("replayed_motion.repeat")
         result = audit(champion.genome, champion.task, champion.seed, given.within)
     except (GenomeError, ParameterError, RecordingError) as error:

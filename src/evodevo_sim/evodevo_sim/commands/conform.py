@@ -6,7 +6,7 @@ import json
 import sys
 from pathlib import Path
 
-from ..parameters import ParameterError, default_task
+from ..parameters import ParameterError
 from ..ros.command_line import Parser, real_number
 from ..ros.environment import EnvironmentFault, check_environment, started, without_ros
 
@@ -38,7 +38,7 @@ def main(arguments: list[str]) -> int:
         return 2
     from ..genetics.champions import champions
     from ..genetics.genome import GenomeError
-    from ..genetics.genome_file import load_genome
+    from ..genetics.genome_file import read_genome
     from ..nodes.conformance import checks
     from ..nodes.conformance.session import CHECKS, Session, examine
     from ..ros.messages import genome_message, task_message
@@ -54,12 +54,12 @@ def main(arguments: list[str]) -> int:
         for name in given.only or []:
             if name not in CHECKS:
                 raise ParameterError(f"--only: there is no check {name!r}: see --list")
-        genome = genome_message(load_genome(Path(given.genome) if given.genome else champions()["undulator"]))
+        animal = read_genome(Path(given.genome) if given.genome else champions()["undulator"])
         if not 0.1 <= given.patience <= 3600.0:
             raise ParameterError(f"--patience is {given.patience:g}: give 0.1 to 3600 seconds")
         stay_on_this_host()
         with started("conform", arguments):
-            session = Session(given.namespace, genome, task_message(default_task("swim")), given.patience)
+            session = Session(given.namespace, genome_message(animal.genome), task_message(animal.task()), given.patience)
             try:
                 if not session.until(lambda: session.has("load"), min(10.0, given.patience)):
                     raise ParameterError(f"nobody offers {session.at('load')}: start the node, or give another namespace")

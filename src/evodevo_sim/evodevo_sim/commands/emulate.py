@@ -79,10 +79,10 @@ def _emulator(given):
     path = Path(given.calibration)
     if not path.exists():
         with written_whole(path) as name, open(name, "w", encoding="utf-8") as file:
-            save_calibration(calibration_of(animat.position, champion.name[:60] or "body"), file)
+            save_calibration(calibration_of(animat.body.position, champion.name[:60] or "body"), file)
     calibration = load_calibration(path)
     rig = load_rig(given.rig, calibration.cells) if given.rig else Rig()
-    if fault := calibration.why_not(animat.position):
+    if fault := calibration.why_not(animat.body.position):
         raise NotViable(f"{given.genome}: {fault}: give the calibration of its own body")
     body = EmulatedBody(animat.plant, calibration, rig, task.control_step)
     firmware = Firmware(calibration.by_channel(calibration.vent), calibration.most_pressure, calibration.name, log=_say)

@@ -20,6 +20,13 @@ def chase() -> Main:
 
 
 @command
+def compare() -> Main:
+    from .compare import main
+
+    return main
+
+
+@command
 def conform() -> Main:
     from .conform import main
 
@@ -57,6 +64,13 @@ def film() -> Main:
 @command
 def gait() -> Main:
     from .gait import main
+
+    return main
+
+
+@command
+def identify() -> Main:
+    from .identify import main
 
     return main
 

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..parameters import ParameterError, Task, with_settings
+from ..parameters import ParameterError
 from ..ros.command_line import Parser, pairs, say_if_compiling, without_remarks
 from ..ros.environment import need_no_graph, without_ros
 from ..view import files
@@ -71,7 +71,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _track(given) -> Track:
     from ..analysis.gait.sources import track_of_performance
-    from ..genetics.genome_file import load_genome
+    from ..genetics.genome_file import read_genome
     from ..recording import is_recording, read_recording
     from ..recording.gait import track_of_recording, words_of_stretch
     from ..recording.life import life_of
@@ -81,9 +81,10 @@ def _track(given) -> Track:
     if not is_recording(path):
         if given.walk:
             raise ParameterError("--walk is for a recording: the task of a genome says whether it walks")
-        genome, task = load_genome(path), with_settings(Task(), dict(pairs(given.set)))
+        file = read_genome(path)
+        task = file.task(settings=pairs(given.set))
         say_if_compiling("kernel.swim")
-        return track_of_performance(perform(genome, task), task)
+        return track_of_performance(perform(file.genome, task), task)
     if given.set:
         raise ParameterError("--set is for a genome file: a recording names its own task")
     recording = read_recording(path)

@@ -154,17 +154,15 @@ def genome_told(path: Path) -> dict[str, Any]:
     import numpy as np
 
     from ..genetics.elements import HEADER, KINDS
-    from ..genetics.genome import GenomeError
-    from ..genetics.genome_file import load_genome
+    from ..genetics.genome_file import read_genome
     from ..genetics.regulation import express
-    from ..text_file import parsed, read_text
 
-    genome = load_genome(path)
-    about = parsed(read_text(path, GenomeError, "a genome file"), GenomeError).get("about", {})
+    file = read_genome(path)
+    genome = file.genome
     weights, units = express(*genome.arrays())
     counts = np.bincount(genome.kind[HEADER:], minlength=len(KINDS))
     return {
-        "source": str(path), "is": "genome", "what": "a genome", "about": {str(key): str(value) for key, value in about.items()},
+        "source": str(path), "is": "genome", "what": "a genome", "about": dict(file.about), "growth": dict(file.growth),
         "elements": len(genome), **{name: int(counts[k]) for k, name in enumerate(KINDS) if k},
         "units": int(units), "connections": int(np.count_nonzero(weights)), "bytes": path.stat().st_size,
     }
@@ -204,6 +202,7 @@ def _rows(told: dict[str, Any]):
         kinds = ", ".join(f"{told[name]} {name.replace('_', ' ')}" for name in ("regulatory", "transcription_factor", "morphogen"))
         yield "elements", f"{told['elements']}, of which {kinds}"
         yield "network", f"{told['units']} units, {told['connections']} connections"
+        yield "bred with", " ".join(f"{name}={value}" for name, value in told["growth"].items())
         return
     yield "ended", told["ended_in_words"]
     for note in told["notes"]:

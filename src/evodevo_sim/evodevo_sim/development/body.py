@@ -35,13 +35,17 @@ class Body(NamedTuple):
 @kernel
 def _sort_around(position, start, neighbour):
     """Sort each adjacency list counter-clockwise by direction, in place."""
+    angle = np.empty(neighbour.size)
     for i in range(start.size - 1):
-        first, last = start[i], start[i + 1]
-        angle = np.empty(last - first)
-        for k in range(first, last):
-            d = position[neighbour[k]] - position[i]
-            angle[k - first] = np.arctan2(d[1], d[0])
-        neighbour[first:last] = neighbour[first:last][np.argsort(angle)]
+        first = start[i]
+        for k in range(first, start[i + 1]):
+            j = neighbour[k]
+            turned = np.arctan2(position[j, 1] - position[i, 1], position[j, 0] - position[i, 0])
+            place = k
+            while place > first and turned < angle[place - 1]:
+                angle[place], neighbour[place] = angle[place - 1], neighbour[place - 1]
+                place -= 1
+            angle[place], neighbour[place] = turned, j
 
 
 @kernel
@@ -102,12 +106,19 @@ def _in_turn(edges, cells):
     Each adds to the forces on its cells what must wait for the sum so far: in ascending order, most of them would wait for the
     one before.  The edges of one cell keep their order, so no sum changes by one bit.  Returns: (E,), from places to edges.
     """
-    turns, turn = np.zeros(cells, np.int64), np.empty(edges.shape[0], np.int64)
+    turns, turn, most = np.zeros(cells, np.int64), np.empty(edges.shape[0], np.int64), 0
     for e in range(turn.size):
         i, j = edges[e, 0], edges[e, 1]
         turn[e] = max(turns[i], turns[j])
         turns[i] = turns[j] = turn[e] + 1
-    return np.argsort(turn, kind="mergesort")
+        most = max(most, turn[e])
+    order, place = np.empty(turn.size, np.int64), 0
+    for now in range(most + 1):
+        for e in range(turn.size):
+            if turn[e] == now:
+                order[place] = e
+                place += 1
+    return order
 
 
 @kernel

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..kernels.jit import kernel, lean
+from ..kernels.jit import lean
 from .gabriel_tree import TIE, tree_edges
 
 _MANY = 56  # cells, from which on a tree is faster
@@ -165,8 +165,7 @@ def adjacency(edges, count, cells, start, neighbour):
         start[j + 1] += 1
 
 
-@kernel
-def gabriel_graph(position, rounding=0.0):
+def gabriel_graph(position: np.ndarray, rounding: float = 0.0) -> np.ndarray:
     """Edges (E, 2) of the Gabriel graph of (N, 2) positions, i < j, ascending.  Args: rounding: see `gabriel_edges`."""
     cells = position.shape[0]
     edges = np.empty((3 * cells + 1, 2), np.int64)

@@ -29,7 +29,7 @@ from ..kernels.vectors import (
     root,
     store,
 )
-from .gabriel import adjacency, follow, gabriel_graph
+from .gabriel import adjacency, follow
 
 REST = 1e-8  # concentrations this close to where they are driven, and steps that move no cell farther, are at rest
 _CLEAR = 0.05  # m, least distance of a new daughter from any cell
@@ -264,6 +264,17 @@ def _measure_delays(position, cells, development, longest, delay):
             delay[i, j, 1] = 1.0 / (1.0 + d / development.morphogen_range)
 
 
+@lean
+def _keep(position, table, units, cells, edges, kept):
+    """Keep a moment of growth.  Args: kept: rows of history, activations and graphs, see `grow`."""
+    kept_position, kept_activation, kept_edges = kept
+    for i in range(cells):
+        kept_position[i, 0], kept_position[i, 1] = position[i, 0], position[i, 1]
+        kept_activation[i] = table[units + EXPANSION, i] - table[units + CONTRACTION, i]
+    for e in range(edges.shape[0]):
+        kept_edges[e, 0], kept_edges[e, 1] = edges[e, 0], edges[e, 1]
+
+
 @kernel
 def grow(network, development, continual, history, activations, graphs, halt):
     """Grow an embryo from one cell.
@@ -306,10 +317,7 @@ def grow(network, development, continual, history, activations, graphs, halt):
         if halt[0]:
             break
         if history.size:
-            history[step, :cells] = position[:cells]
-            for i in range(cells):
-                activations[step, i] = table[units + EXPANSION, i] - table[units + CONTRACTION, i]
-            graphs[step, :count] = edges[:count]
+            _keep(position, table, units, cells, edges[:count], (history[step], activations[step], graphs[step]))
         if not continual:
             remember(network, table, past, step, cells)
             if moved:
@@ -349,23 +357,19 @@ def grow(network, development, continual, history, activations, graphs, halt):
         cells = grown
 
     final = aligned(table.shape[0], cells)
-    final[:] = table[:, : final.shape[1]]
-    if continual:
-        count, _ = follow(position, cells, travelled, holds, witness, edges, count, spare)
-        planar = edges[:count]
-    else:
-        planar = gabriel_graph(position[:cells])
-        count = planar.shape[0]
-    adjacency(planar, count, cells, start, neighbour)
+    for row in range(final.shape[0]):
+        for i in range(final.shape[1]):
+            final[row, i] = table[row, i]
+    if not continual:
+        witness, count = np.zeros((cells, cells), np.int32), 0
+    count, _ = follow(position, cells, travelled, holds, witness, edges, count, spare)
+    adjacency(edges, count, cells, start, neighbour)
     if not continual:
         _measure_delays(position, cells, development, longest, delay)
     if history.size:
         for step in range(steps, development.steps + 1):
-            history[step, :cells] = position[:cells]
-            for i in range(cells):
-                activations[step, i] = table[units + EXPANSION, i] - table[units + CONTRACTION, i]
-            graphs[step, :count] = planar
+            _keep(position, table, units, cells, edges[:count], (history[step], activations[step], graphs[step]))
     return Embryo(
-        position=position[:cells].copy(), table=final, edges=planar.copy(), start=start[: cells + 1].copy(),
+        position=position[:cells].copy(), table=final, edges=edges[:count].copy(), start=start[: cells + 1].copy(),
         neighbour=neighbour[: 2 * count].copy(), steps=steps, past=past, delay=delay,
     )

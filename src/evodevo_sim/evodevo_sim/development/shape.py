@@ -62,6 +62,17 @@ def same_shape(one: np.ndarray, other: np.ndarray, limit: float = SAME) -> bool:
     return shape_distance(one, other) < limit
 
 
+def farthest_cell(one: np.ndarray, other: np.ndarray) -> tuple[int, float]:
+    """(cell, m): that which is farthest from where the other body of as many cells has it, centre on centre, as they grew."""
+    far = np.hypot(*((one - one.mean(axis=0)) - (other - other.mean(axis=0))).T)
+    return int(far.argmax()), float(far.max())
+
+
+def same_cells(one: np.ndarray, other: np.ndarray, limit: float = SAME) -> bool:
+    """Whether two bodies have the same cells in the same order, each less than `limit` m from where the other has it."""
+    return len(one) == len(other) > 0 and farthest_cell(one, other)[1] < limit
+
+
 def _apart(one: np.ndarray, poses: np.ndarray) -> float:
     """The least over poses (P, M, 2) of the mean distance of nearest cells, both ways."""
     square = ((one[None, :, None] - poses[:, None]) ** 2).sum(axis=-1)  # (P, N, M)

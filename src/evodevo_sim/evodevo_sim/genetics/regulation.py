@@ -85,7 +85,8 @@ def assign_units(kind):
         while i < kind.size and kind[i] != REGULATORY:
             i += 1
         if genes > first and i > genes:
-            unit[first:i] = units
+            for k in range(first, i):
+                unit[k] = units
             units += 1
     return unit, units
 
@@ -122,6 +123,17 @@ def express(kind, sign, x, y):
 
 
 @kernel
+def _numbers(chosen):
+    """Where (N,) bool holds, ascending."""
+    found, count = np.empty(chosen.size, np.int64), 0
+    for k in range(chosen.size):
+        if chosen[k]:
+            found[count] = k
+            count += 1
+    return found[:count].copy()
+
+
+@kernel
 def prune(weights, units, read_outputs, given_inputs, cells):
     """The part of a network that what is read depends on, as sparse rows.
 
@@ -141,7 +153,7 @@ def prune(weights, units, read_outputs, given_inputs, cells):
             if not needed[v] and (weights[node, v] != 0.0 or weights[node, units + v] != 0.0):
                 needed[v], open_[count] = True, v
                 count += 1
-    nodes = np.flatnonzero(needed)
+    nodes = _numbers(needed)
     start = np.zeros(nodes.size + 1, np.int64)
     source = np.zeros(nodes.size * (weights.shape[1] + WAYS), np.int64)
     weight = np.zeros(source.size)
@@ -161,10 +173,13 @@ def prune(weights, units, read_outputs, given_inputs, cells):
         start[row + 1] = count
     twin = np.zeros(nodes.size, np.bool_)
     for row in range(nodes.size - 1):
-        twin[row] = np.array_equal(source[start[row] : start[row + 1]], source[start[row + 1] : start[row + 2]])
+        first, last = start[row], start[row + 1]
+        twin[row] = start[row + 2] - last == last - first
+        for k in range(first, last):
+            twin[row] = twin[row] and source[k] == source[k + last - first]
     return Network(
         units=units, nodes=nodes, start=start, source=source[:count].copy(), weight=weight[:count].copy(), twin=twin,
-        morphogens=np.flatnonzero(carried),
+        morphogens=_numbers(carried),
     )
 
 

@@ -1,7 +1,7 @@
 """The calibration of a body: which channel and which marker is which cell, and what levels and marks mean (docs/guide/hardware.md).
 
     name: eel
-    position: [[0, 0], [1, 0], [0.5, 0.87]]   # m, of each cell at rest: which body this is
+    position: [[0, 0], [1, 0], [0.5, 0.87]]   # m, of each cell at rest, as it grew: which body this is
     channel: [0, 1, 2]                        # of each cell
     marker: [0, 1, 2]                         # likewise
     levels: {vent: 10, rest: 30, span: 20, least: 10, most: 50, rate: 400}   # each one number, or one for each cell
@@ -16,13 +16,15 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
 import yaml
 
-from ..inputs import InputError, nearest, shown
-from ..text_file import parsed, read_text
+from ..development.shape import farthest_cell
+from ..inputs import InputError, shown
+from ..text_file import check_keys, parsed, read_text
 from .protocol import MOST_CHANNELS
 
 _KEYS = ("name", "position", "channel", "marker", "levels", "pressure", "frame", "patience")
@@ -42,6 +44,9 @@ SAME_PLACE = 0.1  # m, cell diameters: farthest that a grown cell may be from th
 
 class CalibrationError(InputError, ValueError):
     """A calibration that cannot be; the message names the key, the channel or cell, and the mend."""
+
+
+_check_keys = partial(check_keys, CalibrationError)
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,14 +112,12 @@ class Calibration:
         return found
 
     def why_not(self, position: np.ndarray) -> str:
-        """Why a grown body with cells at `position` (M, 2) m is not this one, or nothing.  It may stand elsewhere, but not turned."""
+        """Why a body whose cells grew at `position` (M, 2) m is not this one, or nothing.  It may stand elsewhere, but not turned."""
         if len(position) != self.cells:
             return f"it grows {len(position)} cells, and the body {shown(self.name, 40)} has {self.cells}"
-        off = (position - position.mean(0)) - (self.position - self.position.mean(0))
-        far = np.hypot(*off.T)
-        worst = int(far.argmax())
-        if far[worst] > SAME_PLACE:
-            where = f"{far[worst]:.2g} m from where the body {shown(self.name, 40)} has it"
+        worst, far = farthest_cell(position, self.position)
+        if far > SAME_PLACE:
+            where = f"{far:.2g} m from where the body {shown(self.name, 40)} has it"
             return f"its cell {worst} grows {where}, more than {SAME_PLACE:g} m"
         return ""
 
@@ -196,14 +199,6 @@ def _check_levels(c: Calibration) -> None:
             raise CalibrationError(f"levels: {where} span is 0, so that nothing would move: give the change of level for e - c of 1")
         if c.most[i] > c.most_pressure:
             raise CalibrationError(f"levels: {where} most {c.most[i]:g} is above pressure.most {c.most_pressure:g}, at which all is vented")
-
-
-def _check_keys(document: Any, known: tuple[str, ...], where: str) -> None:
-    if not isinstance(document, dict):
-        raise CalibrationError(f"{where or 'the file'} is {shown(document)}: give the keys {', '.join(known)}")
-    for key in document:
-        if key not in known:
-            raise CalibrationError(f"unknown key {shown(f'{where}.{key}' if where else str(key))}: did you mean {nearest(key, known)!r}?")
 
 
 def _places(value: Any, key: str, cells: int | None) -> np.ndarray:

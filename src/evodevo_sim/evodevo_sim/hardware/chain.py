@@ -37,6 +37,11 @@ class ActuatorChain:
         """From the next step on, these cells do nothing: what pressure they have leaks away by the lag."""
         self._works[list(cells)] = False
 
+    def hold(self, activation: np.ndarray) -> None:
+        """Begin as if this activation (N,) had been asked for since long ago."""
+        self.activation[:] = np.where(self._works, activation, 0.0)
+        self._waiting = deque([np.array(activation, float)] * len(self._waiting))
+
     def step(self, asked: np.ndarray) -> np.ndarray:
         """Take the activation asked for (N,), in [-1, 1].  Returns: the one that muscles have in this step; the same array each time."""
         law = self._law

@@ -15,11 +15,12 @@ import dataclasses
 import math
 import os
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
-from ..inputs import InputError, decimal, nearest, shown
+from ..inputs import InputError, decimal, shown
 from ..parameters import Checked, ParameterError, parameter
-from ..text_file import parsed, read_text
+from ..text_file import check_keys, parsed, read_text
 
 MOST_EVENTS = 1000
 KINDS = ("unplug", "restart", "fail", "stop", "pressure", "silence", "garbage")
@@ -27,6 +28,9 @@ KINDS = ("unplug", "restart", "fail", "stop", "pressure", "silence", "garbage")
 
 class RigError(InputError, ValueError):
     """A rig that cannot be; the message names the key, the value and the mend."""
+
+
+_check_keys = partial(check_keys, RigError)
 
 
 @dataclass(frozen=True)
@@ -121,14 +125,6 @@ def event_of_line(line: str, cells: int | None = None) -> Event:
     if len(numbers) > 1:
         raise RigError(f"the line {shown(line)} has {len(numbers)} numbers: give one, the seconds that it lasts")
     return _event({"at": 0, "what": what, "for": numbers[0] if numbers else 0.0}, "the line", cells)
-
-
-def _check_keys(document: Any, known: tuple[str, ...], where: str) -> None:
-    if not isinstance(document, dict):
-        raise RigError(f"{where or 'the file'} is {shown(document)}: give the keys {', '.join(known)}")
-    for key in document:
-        if key not in known:
-            raise RigError(f"unknown key {shown(f'{where}.{key}' if where else str(key))}: did you mean {nearest(key, known)!r}?")
 
 
 def _part(kind: Any, given: Any, name: str, cells: int | None) -> Any:

@@ -28,7 +28,9 @@ from numba.core.compiler import CompileResult
 from numba.core.dispatcher import Dispatcher
 from numba.core.serialize import dumps
 
-MAGIC = b"evodevo kernel 1\n"
+from .apart import Callee, Missing, callees, place
+
+MAGIC = b"evodevo kernel 2\n"
 SUFFIX = ".nbc"
 ROOM = 64 << 20  # bytes; kernels of all tasks together take 36 MB
 _HEAD = len(MAGIC) + 64
@@ -203,7 +205,14 @@ class KernelCache(_Cache):
             return None
         try:
             content = read_entry(path, key)
-            return None if content is None else CompileResult._rebuild(target_context, *pickle.loads(content))
+            if content is None:
+                return None
+            called, compiled = pickle.loads(content)
+            for callee in called:
+                place(callee)
+            return CompileResult._rebuild(target_context, *compiled)
+        except Missing as error:
+            why = str(error)
         except OSError:  # if its directory cannot be written either, that is told when it is compiled
             if not remove(path):
                 return None
@@ -227,11 +236,25 @@ class KernelCache(_Cache):
             described(cres.signature.return_type)
             path, key = self._entry(self._directory, sig, cres.codegen)
             if self._place(True) == self._directory:
-                write_entry(path, key, dumps(cres._reduce()))
+                write_entry(path, key, dumps(([self._found_again(callee) for callee in callees(cres)], cres._reduce())))
         except NotKept:
             return
         except OSError as error:
             tell_once("unwritable", unwritable(self._directory, reason(error)))
+
+    @staticmethod
+    def _found_again(callee: Callee) -> Callee:
+        """The same.  Raises: NotKept for a kernel that another process cannot find."""
+        if "<" in callee.name or callee.module == "__main__":
+            raise NotKept(f"{callee.name}, which it calls, cannot be imported")
+        return callee
+
+    def symbol(self, sig, codegen) -> str:
+        """A name that stands for the kernel of a signature in every process that has the same sources, or in this one alone."""
+        try:
+            return f"{self._directory.name if self._directory else ''}.{hashlib.sha256(self._key(sig, codegen).encode()).hexdigest()}"
+        except NotKept:
+            return uuid.uuid4().hex
 
     def _entry(self, directory: Path, sig, codegen) -> tuple[Path, bytes]:
         """The file of a signature, and the hash of its key.  Raises: NotKept."""

@@ -24,7 +24,9 @@ import numba
 import numpy as np
 from numba.core.dispatcher import Dispatcher
 
+from .apart import call_by_address, without_constants
 from .cache import SUFFIX, KernelCache, NotKept, remove, tell_once, unwritable, why_unwritable, write_whole
+from .progress import attend
 from .sources import hash_of, package_root, sources_of_file, sources_of_package, top_folder
 
 _ROOT = package_root(Path(__file__).resolve(), __name__)
@@ -116,13 +118,8 @@ def _place(name: str, changed: bool) -> Path | None:
 
 
 def kernel(function, **options):
-    """Compile `function`: IEEE-strict, releasing the GIL, cached under `CACHE_DIRECTORY`."""
-    # Nobody calls kernels by a C pointer; to compile those wrappers takes time.
-    options = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True} | options
-    compiled = numba.njit(function, **options)
-    if isinstance(compiled, Dispatcher):  # not so under NUMBA_DISABLE_JIT
-        compiled._cache = KernelCache(function, options, partial(_place, function.__code__.co_filename))
-    return compiled
+    """Compile `function`: IEEE-strict, releasing the GIL, cached under `CACHE_DIRECTORY`, called by other kernels by address."""
+    return _compiled(function, apart=True, **options)
 
 
 def lean(function):
@@ -131,14 +128,40 @@ def lean(function):
     Numba counts one for every array of every tuple that a call hands over, atomically, which costs half as much as the forces
     on a small body.  A kernel that allocates is refused by the compiler here.
     """
-    return kernel(function, _nrt=False)
+    return _compiled(function, apart=False, _nrt=False)
+
+
+def seam(function):
+    """A `lean` kernel that others call by address, as they do a `kernel`: for what is large and seldom called."""
+    return _compiled(function, apart=True, _nrt=False)
 
 
 def inlined(function):
     """A `lean` kernel whose code goes into that of each of its callers: a call hands over seven words for every array of a tuple.
 
     Only kernels can call it."""
-    return kernel(function, _nrt=False, forceinline=True, no_cpython_wrapper=True)
+    return _compiled(function, apart=False, _nrt=False, forceinline=True, no_cpython_wrapper=True)
+
+
+def _compiled(function, apart, **options):
+    # Nobody calls kernels by a C pointer; to compile those wrappers takes time.
+    options = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True} | options
+    compiled = numba.njit(function, **options)
+    if not isinstance(compiled, Dispatcher):  # so under NUMBA_DISABLE_JIT
+        return compiled
+    compiled._cache = KernelCache(function, options, partial(_place, function.__code__.co_filename))
+    # What takes arguments from Python is compiled where Python calls, not where kernels do.
+    options["no_cpython_wrapper"] = True
+    called = numba.njit(function, **options)
+    called._cache = KernelCache(function, options, partial(_place, function.__code__.co_filename))
+    if apart:
+        call_by_address(called)
+    if not options.get("forceinline"):
+        without_constants(called)
+    attend(compiled, from_python=True)
+    attend(called, from_python=False)
+    compiled.for_kernels, compiled.get_call_template, compiled.get_overload = called, called.get_call_template, called.get_overload
+    return compiled
 
 
 def is_compiled(name: str) -> bool:

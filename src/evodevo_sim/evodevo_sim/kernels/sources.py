@@ -20,7 +20,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
-MAKERS = frozenset({"kernel", "lean", "inlined"})
+MAKERS = frozenset({"kernel", "lean", "seam", "inlined"})
 _LIBRARY = tuple(Path(sysconfig.get_path(name)).resolve() for name in ("stdlib", "platstdlib"))
 
 

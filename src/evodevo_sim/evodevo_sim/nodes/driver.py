@@ -15,12 +15,14 @@ from ..genetics.genome import Genome
 from ..hardware.calibration import Calibration
 from ..hardware.serial_body import Health, SerialBody
 from ..hardware.serial_line import LineError
-from ..hardware.trial import TrialError, check_task, embody, trial
+from ..hardware.trial import TrialError, check_task, living, trial
 from ..live.animat import Animat
 from ..parameters import ParameterError, Task
 from ..ros.barrier import Callbacks, Desk, brief
 from ..ros.node_parameters import fixed
+from ..ros.requests import BROKEN, UNREADY
 from ..ros.topics import CHANNELS, COMMAND_STREAM
+from ..tasks.halt import raise_if_halted
 from ..tasks.outcome import Evaluation
 from .evaluations import Evaluations
 from .joints import Joints
@@ -87,6 +89,7 @@ class Driver(LifecycleNode):
             self.hardware = SerialBody(self._port, self._calibration, self._baud, self._report, seen)
         c = self._calibration
         message = Channels(name=c.name, channel=c.channel.tolist(), marker=c.marker.tolist())
+        message.x, message.y = (values.tolist() for values in c.position.T)
         for name in ("vent", "rest", "span", "least", "most", "rate"):
             setattr(message, name, getattr(c, name).tolist())
         message.header.frame_id = self._frame
@@ -132,14 +135,13 @@ class Driver(LifecycleNode):
 
     def _ready(self) -> SerialBody:
         if self.hardware is None or not self._active:
-            raise ParameterError("the driver is not active: configure and activate it first")
+            raise ParameterError(f"{UNREADY}: the driver is not active: configure and activate it first")
         return self.hardware
 
     def _make(self, genome, task, seed) -> Animat:
         if self._trying:
             raise ParameterError("an evaluation is under way on the body: wait for its answer")
-        body = self._ready()
-        return Animat(genome, task, seed, lambda grown: embody(grown.position, body))
+        return living(genome, task, seed, self._ready())
 
     def _trial(self, genome: Genome, task: Task, seed: int, bar: float) -> Evaluation:
         """Evaluate a genome on the body, which takes as long as its life; nobody else lives there meanwhile."""
@@ -148,12 +150,23 @@ class Driver(LifecycleNode):
         self._trying = True
         self._living.stage.unload()
         try:
-            return trial(genome, task, seed, body, lambda: self._stop.is_set() or not self._active)
+            return trial(genome, task, seed, body, self._is_to_end, self._seen)
         except TrialError as error:
-            raise ParameterError(f"the body did not live to the end: {error}: ask again") from None
+            raise ParameterError(f"{BROKEN if error.moved else UNREADY}: {error}") from None
         finally:
             self._trying = False
             body.release()
+
+    def _is_to_end(self) -> bool:
+        """Whether a trial is.  Raises Halted where nobody waits for it any more."""
+        raise_if_halted()
+        return self._stop.is_set() or not self._active
+
+    def _seen(self, animat: Animat) -> None:
+        """Publish a control step of a trial, for whoever listens."""
+        self._living.show(animat)
+        if animat.steps:
+            self._living.act(animat)
 
     def _stream(self, message) -> None:
         """A command of somebody else's brain."""

@@ -67,7 +67,7 @@ class Living:
         self._actuation = node.create_publisher(ACTUATION.type, ACTUATION.name, ACTUATION.quality)
         self._drawn = DrawnTopics(node, manner.frame)
         self._shown: Animat | None = None
-        self.stage = Stage(self._show, self._report, manner.every, self._act)
+        self.stage = Stage(self.show, self._report, manner.every, self.act)
         callbacks.subscription(TARGET_POSE.type, TARGET_POSE.name, self._aim, TARGET_POSE.quality)
         callbacks.service(Load, "load", self._load, desk)
         callbacks.service(SetBool, "pause", self._pause)
@@ -146,8 +146,8 @@ class Living:
     def _warn(self, kind, text):
         self._callbacks.warn(kind, text)
 
-    def _show(self, animat):
-        """In the stage's thread: publish what somebody listens to."""
+    def show(self, animat: Animat) -> None:
+        """In the thread in which it lives: publish what somebody listens to."""
         if animat is not self._shown:
             self._shown = None
             self._body.publish(body_message(animat.body, self._frame, animat.time))
@@ -158,8 +158,8 @@ class Living:
             )
         self._drawn.show(animat)
 
-    def _act(self, animat):
-        """In the stage's thread, after each control step: publish what the muscles were told in it, if somebody listens."""
+    def act(self, animat: Animat) -> None:
+        """Likewise, after each control step: publish what the muscles were told in it."""
         if self._actuation.get_subscription_count():
             self._actuation.publish(actuation_message(animat.activation, animat.steps, animat.time, self._frame))
 

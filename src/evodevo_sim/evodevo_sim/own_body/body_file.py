@@ -13,14 +13,15 @@ from __future__ import annotations
 import os
 from collections import namedtuple
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from ..development.body import Body, build_body
 from ..development.gabriel import adjacency, gabriel_graph
-from ..inputs import InputError, nearest, shown
+from ..inputs import InputError, shown
 from ..parameters import Material
-from ..text_file import parsed, read_text
+from ..text_file import check_keys, parsed, read_text
 from .planar import coincident, collinear, crossing, faces_of, rounding, shared_side, too_far, unreachable
 
 KEYS = (
@@ -44,6 +45,9 @@ _RANGE = {
 
 class BodyError(InputError, ValueError):
     """A body that cannot be; the message names the key, the index and the mend."""
+
+
+_check_keys = partial(check_keys, BodyError)
 
 
 # stiffness N/m, damping N s/m, pressure N/m
@@ -119,14 +123,6 @@ def make_own_body(document: dict) -> OwnBody:
         rest_length[np.lexsort((body.spring_b, body.spring_a))] = _numbers(document, "rest_length", len(edges), "spring")[order]
         body = body._replace(rest_length=rest_length, shortest=float(rest_length.min(initial=np.inf)))
     return OwnBody(body, velocity, stuff, amplitude, frequency, phase, scene)
-
-
-def _check_keys(document, known, where):
-    if not isinstance(document, dict):
-        raise BodyError(f"{where or 'the file'} is {shown(document)}: give the keys {', '.join(known)}")
-    for key in document:
-        if key not in known:
-            raise BodyError(f"unknown key {shown(f'{where}.{key}' if where else str(key))}: did you mean {nearest(key, known)!r}?")
 
 
 def _section(document, name, known):

@@ -7,7 +7,7 @@ and the ground in `integrators`.
 
 from __future__ import annotations
 
-from ..kernels.jit import inlined, kernel, lean
+from ..kernels.jit import inlined, kernel, seam
 from ..kernels.vectors import four, load4_within, store4_within
 from .bounds import find_drag_rate, frequency_bound
 from .forces import accelerate, accelerations, pack, pack_ahead, undamped
@@ -42,7 +42,7 @@ def _runge_kutta(body, law, rest, position, velocity, h, scratch):
     pack(position, velocity, state)
 
 
-@lean
+@seam
 def advance(body, law, rest, position, velocity, control_step, substeps, scratch):
     """Carry a state over one control step, in place; where that fails, again with twice the substeps: see `ladder`.
 

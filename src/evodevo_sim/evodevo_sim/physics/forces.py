@@ -146,7 +146,8 @@ def make_plan(body):
     for m in range(outline):
         e = body.outline_spring[m]
         plan.outline[m], plan.outline_start[m], plan.outline_end[m] = e, plan.start[e], plan.end[e]
-    plan.inverse_mass[:cells] = body.inverse_mass
+    for i in range(cells):
+        plan.inverse_mass[i] = body.inverse_mass[i]
     return plan
 
 

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..development.body import Body
-from ..kernels.jit import inlined, lean
+from ..kernels.jit import inlined, lean, seam
 from ..kernels.vectors import all_at_most, four, load4, store
 from .contact import meet, meet_flat, meet_tips
 from .energy import add_muscle_power, add_power, resistances
@@ -265,7 +265,7 @@ def _combine(h, weight, position, velocity, work):
             velocity[x, i] += h * dv
 
 
-@lean
+@seam
 def carry(system, method, t, seconds, steps, state, work, watched=False):
     """Carry a state from time t over an interval in equal steps, in place.
 
@@ -301,7 +301,7 @@ def carry(system, method, t, seconds, steps, state, work, watched=False):
     return outcome
 
 
-@lean
+@seam
 def carry_adaptively(system, t, seconds, tolerance, h, state, work):
     """Carry a state over an interval in steps whose estimated error stays below a tolerance, in place.
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..kernels.jit import kernel, lean
+from ..kernels.jit import kernel, seam
 from .energy import least_chamber, stored_energy
 from .forces import set_rest_lengths
 from .integrators import carry, carry_adaptively
@@ -35,7 +35,7 @@ class Frames(NamedTuple):
     velocity: np.ndarray  # (T, N, 2) m/s
 
 
-@lean
+@seam
 def carry_soundly(system, method, t, seconds, steps, ladder, state, work):
     """`carry`, with a look at each step; where one is not sound, again with twice the steps: see `ladder`.
 

@@ -8,21 +8,22 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..genetics.genome import Genome
-from ..genetics.genome_file import load_genome
-from ..parameters import ParameterError, Task, default_task, with_settings
+from ..genetics.genome_file import read_genome
+from ..parameters import ParameterError, Task
 from ..ros.messages import genome_from_message, task_from_message
 from . import RecordingError, is_recording, read_recording
 
 
 @dataclass(frozen=True)
 class Champion:
-    """name; genome; task; seed; fitness as recorded, or None."""
+    """name; genome; task; seed; fitness as recorded, or None; hardware: name of the body on which it was recorded, if that is one."""
 
     name: str
     genome: Genome
     task: Task
     seed: int = 0
     fitness: float | None = None
+    hardware: str = ""
 
 
 def champion_of(
@@ -30,14 +31,15 @@ def champion_of(
 ) -> Champion:
     """The champion of a genome file or a recording.
 
-    Args: settings: of the task of a genome file, which is the default one of `task_name`; say: called with each line that must be
-        known of a recording, e.g. that its end is missing.
+    Args: settings: of the task of a genome file, which is the default one of `task_name` with growth as the file says; say: called with
+        each line that must be known of a recording, e.g. that its end is missing.
     Raises GenomeError, ParameterError or RecordingError.
     """
     path = Path(source)
     name = Path(os.path.realpath(path)).name
     if not is_recording(path):
-        return Champion(path.stem, load_genome(path), with_settings(default_task(task_name), dict(settings)))
+        file = read_genome(path)
+        return Champion(path.stem, file.genome, file.task(task_name, settings))
     if settings:
         raise ParameterError("--set is for a genome file: a recording names its own task")
     recording = read_recording(path)
@@ -49,4 +51,6 @@ def champion_of(
     for line in recording.notes:
         say(line)
     champion, run = recording.champions[-1], recording.settings
-    return Champion(name, genome_from_message(champion.genome), task_from_message(run.task), run.seed, champion.evaluation.fitness)
+    genome, task = genome_from_message(champion.genome), task_from_message(run.task)
+    hardware = recording.channels.name or "body" if recording.channels is not None else ""
+    return Champion(name, genome, task, run.seed, champion.evaluation.fitness, hardware)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from array import array
+from copy import copy
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
+from ..analysis.stretches import filled, speeds
 from ..parameters import ParameterError, Scene
 from ..physics.terrain import contacts
 from ..ros.drawn import chambers_of, surfaces
@@ -93,7 +96,7 @@ def life_of(recording: Recording) -> Life:
         if attribute in recording.unread and not getattr(recording, attribute):
             raise RecordingError(f"{recording.path}: {recording.unread[attribute]}")
     growth = _finite(_last_run(recording.growth))
-    lived = _last_run(recording.states)
+    lived = _filled(_last_run(recording.states))
     targets = _targets(recording, len(recording.states) - len(lived), len(lived))
     sound = [_is_finite(state) for state in lived]
     states = [state for state, fine in zip(lived, sound) if fine]
@@ -120,6 +123,14 @@ def life_of(recording: Recording) -> Life:
         )
     except (ValueError, IndexError):
         raise RecordingError(f"{recording.path}: cells, springs and chambers do not fit each other: record it again") from None
+
+
+def last_states(recording: Recording, cells: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """The last life as it was recorded: (time (T,) s, position (T, N, 2) m, NaN where not seen, activation (T, N), step (T,))."""
+    states = [s for s in _last_run(recording.states) if len(s.position_x) == len(s.position_y) == len(s.activation) == cells]
+    position = np.array([_positions(state) for state in states]).reshape(len(states), cells, 2)
+    activation = np.array([state.activation for state in states]).reshape(len(states), cells)
+    return _seconds(states), position, activation, np.array([state.step for state in states], int)
 
 
 def _scene(recording: Recording) -> Scene | None:
@@ -156,6 +167,26 @@ def _last_run(messages: list) -> list:
 def _finite(states: list) -> list:
     """Those without a number that is none, e.g. from a plant that blew up."""
     return [state for state in states if _is_finite(state)]
+
+
+_COORDINATES = ("position_x", "position_y", "velocity_x", "velocity_y")
+
+
+def _filled(states: list) -> list:
+    """The states, with cells that hardware has not seen for a moment filled in; those whose cells do not fit each other as they are."""
+    if all(np.isfinite(state.position_x).all() for state in states) or len({len(state.position_x) for state in states}) != 1:
+        return states
+    if any(len(getattr(state, name)) != len(state.position_x) for state in states for name in _COORDINATES):
+        return states
+    time, whole = _seconds(states), {}
+    for axis in "xy":
+        position, velocity = (filled(time, np.array([getattr(s, f"{what}_{axis}") for s in states])) for what in ("position", "velocity"))
+        whole[f"position_{axis}"], whole[f"velocity_{axis}"] = position, speeds(time, position, velocity)
+    found = [copy(state) for state in states]
+    for name, series in whole.items():
+        for state, values in zip(found, series):
+            setattr(state, name, array("d", values.tobytes()))
+    return found
 
 
 def _is_finite(s) -> bool:

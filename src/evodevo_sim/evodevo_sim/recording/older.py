@@ -9,7 +9,8 @@ from typing import Any
 
 from evodevo_msgs import msg
 
-from ..parameters import Task, default_task
+from ..genetics.genome_file import UNSAID
+from ..parameters import Task, default_task, with_settings
 from ..ros.messages import task_message
 from ..task_kinds import kind_of
 from .schema import Difference
@@ -90,7 +91,8 @@ def message_of(decoded: Any, message_type: type) -> Any:
 def _filled(message, decoded):
     stem = type(message).__name__
     if stem == "Task":
-        message = task_message(default_task(decoded.name) if kind_of(decoded.name) is not None else Task())
+        task = default_task(decoded.name) if kind_of(decoded.name) is not None else Task()
+        message = task_message(with_settings(task, {f"development.{name}": value for name, value in UNSAID.items()}))
     for name, kind in message.get_fields_and_field_types().items():
         before = getattr(message, name)
         if not hasattr(decoded, name):

@@ -2,13 +2,27 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from ..analysis.stretches import filled, speeds
 from ..ros.messages import body_message, cell_states_message, graph_message, target_message, time_message
 from ..ros.topics import BODY, CELL_STATES, GROWTH_BODY, GROWTH_STATES, TARGET_POSE
 from ..tasks.evaluation import Performance
+
+
+def seen_alone(performance: Performance) -> Performance:
+    """The same life without the moments in which nothing was seen, and what was not seen of others filled in (`stretches.filled`)."""
+    seen = np.isfinite(performance.position).any(axis=(1, 2))
+    time = performance.time[seen]
+    position, velocity = (filled(time, values[seen]) for values in (performance.position, performance.velocity))
+    whole = np.isfinite(position).all(axis=(1, 2))
+    velocity = speeds(time, position, velocity)
+    return replace(
+        performance, time=time[whole], position=position[whole], velocity=velocity[whole], activation=performance.activation[seen][whole]
+    )
 
 
 def record_performance(recorder: Any, performance: Performance, stamp: int) -> None:
@@ -16,7 +30,7 @@ def record_performance(recorder: Any, performance: Performance, stamp: int) -> N
 
     Growth comes first, a regulation step as long as a control step, and the stamps in the messages run on from it.
     """
-    step = float(performance.time[1])
+    step = float(performance.time[1] - performance.time[0])
     edges = np.empty((0, 2))
     for k, (position, activation) in enumerate(zip(performance.growth, performance.growth_activation)):
         seconds, alive = k * step, np.isfinite(position[:, 0])
@@ -35,7 +49,7 @@ def record_performance(recorder: Any, performance: Performance, stamp: int) -> N
         recorder.write(TARGET_POSE.name, target, stamp + round(born * 1e9))
     states = zip(performance.time, performance.position, performance.velocity, performance.activation)
     for k, (time, position, velocity, activation) in enumerate(states):
-        if np.isfinite(position[0, 0]):
+        if np.isfinite(position).any():
             seconds = born + time
             recorder.write(
                 CELL_STATES.name, cell_states_message(position, velocity, activation, k, seconds), stamp + round(seconds * 1e9)

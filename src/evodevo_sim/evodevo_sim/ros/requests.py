@@ -15,13 +15,15 @@ from typing import Any
 ENDING = "the simulator is ending: ask another one"
 CANCELLED = "the request was cancelled"
 BUSY = "too many requests wait"
+UNREADY = "the body is not ready"  # of hardware: nothing moved
+BROKEN = "the life was broken off"  # of hardware, in the middle
 _KEPT = 256  # answers, at the most
 _KEPT_EVALUATIONS = 20_000
 
 
 def given_back(error: str) -> bool:
     """Whether an answer's error says that the request was not evaluated, by no fault of its own: others may be asked."""
-    return error.startswith((ENDING, CANCELLED, BUSY))
+    return error.startswith((ENDING, CANCELLED, BUSY, UNREADY, BROKEN))
 
 
 def key_of(request: Any) -> Hashable:

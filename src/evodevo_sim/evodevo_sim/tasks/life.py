@@ -54,7 +54,7 @@ class Kept(NamedTuple):
 def develop(genome, model, history, activations, graphs):
     """Grow a genome's embryo.  Returns: (weights, units, Embryo); see `regulation.express` and `growth.grow`."""
     weights, units = express(*genome)
-    network = prune(weights, units, np.array([True, True, True, True]), model.given_inputs, model.development.max_cells)
+    network = prune(weights, units, (True, True, True, True), model.given_inputs, model.development.max_cells)
     return weights, units, grow(network, model.development, model.continual, history, activations, graphs, model.halt)
 
 

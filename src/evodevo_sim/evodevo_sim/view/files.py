@@ -11,7 +11,7 @@ from ..inputs import InputError
 from ..whole_file import written_whole
 
 _BEGINS_WITH = {
-    ".rrd": (b"RRF",), ".png": (b"\x89PNG",), ".svg": (b"<?xml", b"<svg"), ".pdf": (b"%PDF",), ".csv": (b"cell",),
+    ".rrd": (b"RRF",), ".png": (b"\x89PNG",), ".svg": (b"<?xml", b"<svg"), ".pdf": (b"%PDF",), ".csv": (b"cell", b"time"),
     ".html": (b"<!DOCTYPE html",), ".gif": (b"GIF8",),
 }
 _HEAD = 1024  # bytes

@@ -11,8 +11,8 @@ import numpy as np
 
 from ..analysis.gait.sources import parts_of_body, track_of_performance
 from ..analysis.gait.track import Track
-from ..genetics.genome_file import load_genome
-from ..parameters import ParameterError, Task, default_task, with_settings
+from ..genetics.genome_file import read_genome
+from ..parameters import ParameterError, Task
 from ..recording import Recording, RecordingError, is_recording, read_recording
 from ..recording.life import Life, Pose, life_of
 from ..ros.messages import genome_from_message, task_from_message
@@ -46,8 +46,9 @@ def shown_of(
     """
     path = Path(source)
     if not is_recording(path):
-        genome, task = load_genome(path), with_settings(default_task(task_name), dict(settings or {}))
-        performance = perform(genome, task)
+        file = read_genome(path)
+        task = file.task(task_name, settings)
+        performance = perform(file.genome, task)
         return _lived(path.stem, performance, task, say)
     if settings:
         raise ParameterError("--set is for a genome file: a recording names its own task")

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...brain.controller import Rules, brain_rests, brain_step
-from ...kernels.jit import kernel, lean
+from ...kernels.jit import kernel, lean, seam
 from ...physics.bounds import find_drag_rate
 from ...physics.mass import centre_of_mass
 from ...physics.soundness import SOUND
@@ -47,7 +47,7 @@ class Stakes(NamedTuple):
     more: float  # m that can be earned beside it at the most
 
 
-@lean
+@seam
 def locomote(life, step, until, rules, kept):
     """Live from one control step to another, in place: each is one regulation step, then the body for as many seconds.
 

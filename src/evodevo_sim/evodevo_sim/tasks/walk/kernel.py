@@ -12,7 +12,7 @@ import numpy as np
 
 from ...brain.controller import Rules, brain_rests, brain_step
 from ...brain.scent import Signals
-from ...kernels.jit import kernel, lean
+from ...kernels.jit import kernel, lean, seam
 from ...physics.energy import stored_energy
 from ...physics.mass import centre_of_mass
 from ...physics.soundness import SOUND
@@ -138,7 +138,7 @@ def lay_down(grounded, heading):
     return OK if high > 0.0 else NO_ROOM
 
 
-@lean
+@seam
 def come_to_rest(grounded, task):
     """Let the body fall with its muscles held, in a thin fluid, until no cell has moved for a while and one is on the ground.
 
@@ -163,7 +163,7 @@ def come_to_rest(grounded, task):
     return UNSETTLED, task.settling_limit
 
 
-@lean
+@seam
 def locomote(walker, step, until, rules, kept):
     """Live from one control step to another, in place.  Args and result: as for `swim.locomote`; there is no scent."""
     life, grounded = walker.life, walker.grounded
