@@ -3,6 +3,7 @@
 import numpy as np
 from evodevo_sim.brain.brain import think
 from evodevo_sim.brain.controller import Rules
+from evodevo_sim.brain.eyes import Eyes
 from evodevo_sim.brain.scent import Signals
 from evodevo_sim.development.gabriel import follow
 from evodevo_sim.genetics.regulation import exchange, regulate
@@ -98,7 +99,8 @@ def grows(system, method, h, chunks, chunk, position, most, work):
 def live_on(life, steps, seconds, development, continual):
     """Live all control steps, whether or not all rests.  Returns: (status of the last stretch, step first seen at rest or -1)."""
     kept = Kept(np.empty((2, 0)), np.empty((0, 0, 0)), np.empty((0, 0)))
-    rules = Rules(seconds, development, continual, Signals(np.empty(0), np.empty(0), np.zeros(2, np.uint64)))
+    signals = Signals(np.empty(0), np.empty(0), np.zeros(2, np.uint64), Eyes(np.empty((0, 0)), 0.0, 0.0, 0.0))
+    rules = Rules(seconds, development, continual, signals)
     step, status, rested = 0, 0, -1
     while step < steps:
         before = step

@@ -35,7 +35,7 @@ ROOMS = (
     ("development", "growth: division, adhesion, morphogens; Gabriel graph; body", "2.2, 2.3"),
     ("physics", "springs, chambers, drag; steps and their bounds; contact, friction; energy", "2.3, 4"),
     ("own_body", "bodies of your own, from files", ""),
-    ("brain", "one control step of the network; its senses: scent, noise", "2.1, 4.3"),
+    ("brain", "one control step of the network; its senses: scent, eyes, noise", "2.1, 4.3"),
     ("plant", "what a brain drives: the contract, and the simulated bodies", "4"),
     ("tasks", "evaluate: a kernel, a fitness and an audit for each task", "4"),
     ("live", "an animat step by step, at a pace; targets", "4.3"),

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from evodevo_ga.schemes import SCHEMES
 from evodevo_ga.settings import UNLIMITED, Settings
-from evodevo_sim.parameters import FITNESSES, PRESETS, VARIANTS, Chemotaxis, Development, Material, Noise, Scene, Task
+from evodevo_sim.parameters import FITNESSES, PRESETS, VARIANTS, Chemotaxis, Development, Material, Noise, Rig, Scene, Task
 from evodevo_sim.task_kinds import kind_of
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "reference" / "parameters.md"
@@ -30,6 +30,7 @@ TABLES = (
     ("Task (4)", "", Task),
     ("Chemotaxis (4.3)", "chemotaxis.", Chemotaxis),
     ("Noise", "noise.", Noise),
+    ("Rig", "rig.", Rig),
     ("Genetic algorithm (3)", "settings.", Settings),
 )
 CHOICES = {"development.variant": VARIANTS, "fitness": FITNESSES, "name": TASKS}
@@ -91,6 +92,18 @@ ORIGINS = {
     "noise.sensing": "off. Refused where there is no scent",
     "noise.concentrations": "off",
     "noise.actuation": "off",
+    "rig.lag": "off. [The law](plant.md#actuators-and-sensors)",
+    "rig.dead_time": "off",
+    "rig.rate": "off",
+    "rig.resolution": "off",
+    "rig.dead_cells": "none",
+    "rig.failing_cells": "none",
+    "rig.failures": "none",
+    "rig.fail_at": "at once, where any fail",
+    "rig.sensor_noise": "off. Of no effect where there is no scent, as of all `rig.sensor_*`",
+    "rig.sensor_delay": "off",
+    "rig.sensor_resolution": "off",
+    "rig.sensor_lost": "off",
     "settings.population": "paper",
     "settings.generations": "start: chosen for short runs. The paper has no limit but patience",
     "settings.patience": "paper",
@@ -152,6 +165,8 @@ def row(name: str, item: dataclasses.Field) -> str:
     if "range" in item.metadata:
         low, high = item.metadata["range"]
         limits, unit, meaning = f"{number(low)} to {number(high)}", item.metadata["unit"], item.metadata["meaning"]
+    elif "cells" in item.metadata:
+        limits, unit, meaning = "0 to 4095 each, as 3,7", "", item.metadata["meaning"]
     else:
         choices = CHOICES.get(name)
         limits = ", ".join(f"`{choice}`" for choice in choices) if choices else "ascending" if name.endswith("_x") else "as many"

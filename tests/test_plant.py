@@ -12,6 +12,7 @@ from genomes import beating, pulsing
 from evodevo_sim import perform
 
 NOISE = {"noise.concentrations": 0.02, "noise.actuation": 0.1}
+RIG = {"rig.lag": 0.1, "rig.dead_time": 0.05, "rig.rate": 3.0, "rig.failures": 2, "rig.fail_at": 0.5}
 
 
 class Springs:
@@ -46,7 +47,7 @@ def test_a_brain_drives_a_plant_that_is_no_simulation():
     assert np.ptp(plant.position[:, 1]) > 0.0
 
 
-@pytest.mark.parametrize("settings", [{}, NOISE], ids=["quiet", "noise"])
+@pytest.mark.parametrize("settings", [{}, NOISE, RIG], ids=["quiet", "noise", "rig"])
 @pytest.mark.parametrize("name", [name for name in names() if not kind_of(name).has_target])
 def test_brain_and_plant_apart_live_the_life_of_an_evaluation(name, settings):
     task = with_settings(default_task(name), {"control_steps": 120, "starts": 1, **settings})

@@ -7,7 +7,7 @@ _evodevo_words_evodevo_ga() {
         "descent --number") echo "<any>" ;;
         "descent --out") echo "<files>" ;;
         "descent -o") echo "<files>" ;;
-        "evolve ") echo "--age-gap --apart --backend --cells --crossover --deletion --duplication --elite --elongations --evaluations --extent --fillings --flip --founders --generations --give-up-after --help --hours --layers --look --niches --out --patience --point-decades --point-mutation --point-scale --population --preset --quiet --redraws --resume --rig --run-length --scent-extent --scent-mutation --scheduler --scheme --seed --set --simulators --start --start-share --starts --task --threads --tournament --units --view --world" ;;
+        "evolve ") echo "--age-gap --apart --backend --cells --crossover --deletion --duplication --elite --elongations --evaluations --extent --fillings --flip --founders --generations --give-up-after --help --hours --layers --look --niches --out --patience --plant --point-decades --point-mutation --point-scale --population --preset --quiet --redraws --resume --rig --run-length --scent-extent --scent-mutation --scheduler --scheme --seed --set --simulators --start --start-share --starts --task --threads --tournament --units --view --world" ;;
         "evolve --age-gap") echo "<any>" ;;
         "evolve --apart") echo "<any>" ;;
         "evolve --backend") echo "<any>" ;;
@@ -30,6 +30,7 @@ _evodevo_words_evodevo_ga() {
         "evolve --niches") echo "<any>" ;;
         "evolve --out") echo "<files>" ;;
         "evolve --patience") echo "<any>" ;;
+        "evolve --plant") echo "<files>" ;;
         "evolve --point-decades") echo "<any>" ;;
         "evolve --point-mutation") echo "<any>" ;;
         "evolve --point-scale") echo "<any>" ;;

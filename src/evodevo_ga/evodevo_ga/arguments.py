@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from evodevo_sim.inputs import shown
 from evodevo_sim.parameters import PRESETS, ParameterError, Task, default_task, known_kind, preset, with_settings
-from evodevo_sim.ros.command_line import Parser, pairs, real_number, whole_number
+from evodevo_sim.ros.command_line import Parser, add_plant, real_number, settings_of, warn, whole_number
 from evodevo_sim.ros.environment import without_ros
 from evodevo_sim.task_kinds import names
 
@@ -37,6 +37,8 @@ examples:
       one population in which all compete, instead of an archive of unlike bodies
   ros2 run evodevo_ga evolve --task walk --world rough
       a walker on uneven ground (docs/guide/walk.md tells the worlds)
+  ros2 run evodevo_ga evolve --plant plant.yaml
+      for a rig with slow valves, as docs/guide/hardware.md describes it
   ros2 run evodevo_ga evolve --scheme paper --set task.fitness=distance
       the paper's search, until 500 generations bring nothing, for its plain distance (docs/reference/swimming.md tells what earns that)
   ros2 run evodevo_ga evolve --set scene.drag_normal=10 --set scene.drag_tangential=0.05
@@ -102,6 +104,7 @@ def parse(arguments: list[str]) -> Options:
     parser.add_argument("--task", default=names()[0], metavar="NAME", help=what)
     worlds = "walk: flat, slope, steps, rough, obstacles, gap, or a file of your own (default flat)"
     parser.add_argument("--world", metavar="NAME|FILE", help=worlds)
+    add_plant(parser, "evolve for the ")
     starts = f"walk: orientations at birth, of which the worse half counts (default {default_task('walk').starts})"
     parser.add_argument("--starts", type=whole_number, metavar="N", help=starts)
     parser.add_argument("--cells", default=32, type=whole_number, metavar="N", help="most cells of a body (default %(default)s)")
@@ -169,7 +172,7 @@ def parse(arguments: list[str]) -> Options:
         numbers: dict[str, object] = {"development.max_cells": given.cells}
         if given.starts is not None:
             numbers["starts"] = given.starts
-        task = with_settings(task, numbers | (preset(given.preset) if given.preset else {}) | dict(pairs(given.set)))
+        task = with_settings(task, numbers | (preset(given.preset) if given.preset else {}) | settings_of(given, task.name, warn("evolve")))
         chosen = {field.name: getattr(given, field.name) for field in dataclasses.fields(Settings)}
         chosen = {name: value for name, value in chosen.items() if value is not None}
         usual = _ONE_BODY if given.rig else default_scheme(task.name, chosen, task.development.max_cells)

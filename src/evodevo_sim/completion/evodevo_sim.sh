@@ -2,12 +2,13 @@
 _evodevo_words_evodevo_sim() {
     case "$1 $2" in
         " ") echo "audit chase compare conform driver emulate figure film gait identify info replay request simulate simulator turning" ;;
-        "audit ") echo "--help --set --task --within" ;;
+        "audit ") echo "--help --plant --set --task --within" ;;
         "audit -") echo "<files>" ;;
+        "audit --plant") echo "<files>" ;;
         "audit --set") echo "<any>" ;;
         "audit --task") echo "swim walk chemotaxis" ;;
         "audit --within") echo "<any>" ;;
-        "chase ") echo "--capture --count --distance --each --help --out --palette --quiet --real-time-factor --save --seed --set --simulator --targets --view" ;;
+        "chase ") echo "--capture --count --distance --each --help --out --palette --plant --quiet --real-time-factor --save --seed --set --simulator --targets --view" ;;
         "chase -") echo "<files>" ;;
         "chase --capture") echo "<any>" ;;
         "chase --count") echo "<any>" ;;
@@ -15,6 +16,7 @@ _evodevo_words_evodevo_sim() {
         "chase --each") echo "<any>" ;;
         "chase --out") echo "<files>" ;;
         "chase --palette") echo "paper safe" ;;
+        "chase --plant") echo "<files>" ;;
         "chase --real-time-factor") echo "<any>" ;;
         "chase --save") echo "<files>" ;;
         "chase --seed") echo "<any>" ;;
@@ -40,29 +42,32 @@ _evodevo_words_evodevo_sim() {
         "emulate --link") echo "<files>" ;;
         "emulate --rig") echo "<files>" ;;
         "emulate --set") echo "<any>" ;;
-        "figure ") echo "--help --out --palette --set --task --width -o" ;;
+        "figure ") echo "--help --out --palette --plant --set --task --width -o" ;;
         "figure -") echo "growth gait traces turning fitness work-precision" ;;
         "figure --out") echo "<files>" ;;
         "figure --palette") echo "paper safe" ;;
+        "figure --plant") echo "<files>" ;;
         "figure --set") echo "<any>" ;;
         "figure --task") echo "swim walk chemotaxis" ;;
         "figure --width") echo "<any>" ;;
         "figure -o") echo "<files>" ;;
-        "film ") echo "--frames --help --no-growth --out --palette --set --speed --task --width -o" ;;
+        "film ") echo "--frames --help --no-growth --out --palette --plant --set --speed --task --width -o" ;;
         "film -") echo "<files>" ;;
         "film --frames") echo "<any>" ;;
         "film --out") echo "<files>" ;;
         "film --palette") echo "paper safe" ;;
+        "film --plant") echo "<files>" ;;
         "film --set") echo "<any>" ;;
         "film --speed") echo "<any>" ;;
         "film --task") echo "swim walk chemotaxis" ;;
         "film --width") echo "<any>" ;;
         "film -o") echo "<files>" ;;
-        "gait ") echo "--csv --help --out --palette --set --walk" ;;
+        "gait ") echo "--csv --help --out --palette --plant --set --walk" ;;
         "gait -") echo "<files>" ;;
         "gait --csv") echo "<files>" ;;
         "gait --out") echo "<files>" ;;
         "gait --palette") echo "paper safe" ;;
+        "gait --plant") echo "<files>" ;;
         "gait --set") echo "<any>" ;;
         "identify ") echo "--fit --help --others --out --rig --set -o" ;;
         "identify -") echo "<files>" ;;
@@ -82,8 +87,9 @@ _evodevo_words_evodevo_sim() {
         "replay --png") echo "<files>" ;;
         "replay --save") echo "<files>" ;;
         "replay --show") echo "watch grow think evolve" ;;
-        "request ") echo "--help --real-time-factor --service --set --task" ;;
+        "request ") echo "--help --plant --real-time-factor --service --set --task" ;;
         "request -") echo "<files>" ;;
+        "request --plant") echo "<files>" ;;
         "request --real-time-factor") echo "<any>" ;;
         "request --service") echo "load evaluate" ;;
         "request --set") echo "<any>" ;;
@@ -99,10 +105,11 @@ _evodevo_words_evodevo_sim() {
         "simulate --tolerance") echo "<any>" ;;
         "simulate --world") echo "flat slope steps rough obstacles gap <files>" ;;
         "simulator ") echo "--help" ;;
-        "turning ") echo "--help --out --palette --set" ;;
+        "turning ") echo "--help --out --palette --plant --set" ;;
         "turning -") echo "<files>" ;;
         "turning --out") echo "<files>" ;;
         "turning --palette") echo "paper safe" ;;
+        "turning --plant") echo "<files>" ;;
         "turning --set") echo "<any>" ;;
     esac
 }

@@ -19,6 +19,9 @@ from .task_kinds import TaskKind, kind_of, names
 VARIANTS = ("continual_graph", "graph_at_end")
 FITNESSES = ("sustained", "distance")
 PROFILES = ("ground_x", "ground_y", "ceiling_x", "ceiling_y")
+MOST_CELLS = 4096
+MOST_WAIT = 1000  # control steps that a rig may be late
+FINEST = 1e-9  # a resolution of a rig below it is none
 
 
 class ParameterError(InputError, ValueError):
@@ -28,6 +31,26 @@ class ParameterError(InputError, ValueError):
 def parameter(default: Any, low: float, high: float, unit: str, meaning: str) -> Any:
     """A documented number of a parameter class, refused outside [low, high]."""
     return field(default=default, metadata={"range": (low, high), "unit": unit, "meaning": meaning})
+
+
+def cells(meaning: str) -> Any:
+    """A documented list of cells of a parameter class, empty by default."""
+    return field(default=(), metadata={"cells": True, "unit": "", "meaning": meaning})
+
+
+def cells_of(value: Any, where: str) -> tuple[int, ...]:
+    """Numbers of cells, of a list or of text such as 3,7.  Raises ParameterError."""
+    given = [decimal(word.strip()) for word in value.split(",") if word.strip()] if isinstance(value, str) else value
+    try:
+        numbers = list(given)
+    except TypeError:
+        raise ParameterError(f"{where} is {shown(value)}: give the numbers of cells, e.g. 3,7") from None
+    for k, one in enumerate(numbers):
+        if isinstance(one, bool) or not isinstance(one, int) or not 0 <= one < MOST_CELLS:
+            raise ParameterError(f"{where} is {shown(value)}: give numbers of cells, each from 0 to {MOST_CELLS - 1}, e.g. 3,7")
+        if one in numbers[:k]:
+            raise ParameterError(f"{where} has {one} twice: give each cell once")
+    return tuple(map(int, numbers))
 
 
 class Checked:
@@ -61,7 +84,7 @@ class Development(Checked):
     """Growth of the embryo (paper section 2.2)."""
 
     variant: str = "continual_graph"
-    max_cells: int = parameter(32, 1, 4096, "", "hard limit on cells")
+    max_cells: int = parameter(32, 1, MOST_CELLS, "", "hard limit on cells")
     steps: int = parameter(400, 1, 100_000, "", "regulation steps of growth")
     regulation_rate: float = parameter(0.3, 1e-6, 1.0, "", "share of the way to its target that a concentration goes in a step")
     division_threshold: float = parameter(0.5, 0.01, 1.0, "", "division factor above which a cell divides")
@@ -134,6 +157,44 @@ class Noise(Checked):
 
 
 @dataclass(frozen=True)
+class Rig(Checked):
+    """Actuators between brain and muscles, and sensors between cells and brain (docs/reference/plant.md); what is 0 or empty does nothing,
+    takes no time and changes no bit."""
+
+    lag: float = parameter(0.0, 0.0, 60.0, "s", "time constant of the approach to what is asked, of first order")
+    dead_time: float = parameter(0.0, 0.0, 10.0, "s", "time before a change begins to act")
+    rate: float = parameter(0.0, 0.0, 1e6, "1/s", "most change of e - c in a second; 0: no limit")
+    resolution: float = parameter(0.0, 0.0, 2.0, "", "step of e - c that a valve can set; 0: none")
+    dead_cells: tuple[int, ...] = cells("cells whose actuators do nothing")
+    failing_cells: tuple[int, ...] = cells("cells whose actuators do nothing from fail_at on")
+    failures: int = parameter(0, 0, MOST_CELLS, "", "so many cells more, drawn by the seed, that do nothing from fail_at on")
+    fail_at: float = parameter(0.0, 0.0, 1e6, "s", "when cells fail, since the network woke")
+    sensor_noise: float = parameter(0.0, 0.0, 1e3, "m", "standard deviation of each coordinate of a cell as it is seen")
+    sensor_delay: float = parameter(0.0, 0.0, 10.0, "s", "age of what is seen")
+    sensor_resolution: float = parameter(0.0, 0.0, 1e3, "m", "step of a coordinate; 0: none")
+    sensor_lost: float = parameter(0.0, 0.0, 1.0, "", "probability of a cell, in each control step, not to be seen")
+
+    def __post_init__(self):
+        super().__post_init__()
+        for name in ("dead_cells", "failing_cells"):
+            object.__setattr__(self, name, cells_of(getattr(self, name), f"rig.{name}"))
+
+    @staticmethod
+    def steps(seconds: float, control_step: float) -> int:
+        """A delay in whole control steps, the nearest."""
+        return round(seconds / control_step)
+
+    @staticmethod
+    def fine(resolution: float) -> float:
+        """A resolution, or 0 where it is too fine to be one."""
+        return resolution if resolution > FINEST else 0.0
+
+    def share(self, control_step: float) -> float:
+        """Of the way to what is asked, that a muscle goes in a control step."""
+        return -math.expm1(-control_step / self.lag) if self.lag > 0.0 else 1.0
+
+
+@dataclass(frozen=True)
 class Chemotaxis(Checked):
     """The scent of a target, and the tests of chemotaxis (paper section 4.3)."""
 
@@ -158,6 +219,7 @@ class Task(Checked):
     material: Material = Material()
     scene: Scene = Scene()
     noise: Noise = Noise()
+    rig: Rig = Rig()
     chemotaxis: Chemotaxis = Chemotaxis()
     control_steps: int = parameter(2000, 1, 10_000_000, "", "of locomotion, one regulation step each")
     control_step: float = parameter(1 / 60, 1e-9, 1.0, "s", "duration of a control step")
@@ -183,6 +245,11 @@ class Task(Checked):
         for setting, why in kind.unused.items():
             if value := setting_of(self, setting):
                 raise ParameterError(f"{setting} is {value:g}: leave it at 0 where the task is {self.name}, {why}")
+        for name in ("dead_time", "sensor_delay"):
+            late = self.rig.steps(getattr(self.rig, name), self.control_step)
+            if late > MOST_WAIT:
+                most = f"at most {MOST_WAIT * self.control_step:g} s, {MOST_WAIT} control steps"
+                raise ParameterError(f"rig.{name} is {getattr(self.rig, name):g}: give {most}, or a longer control step")
         if self.control_steps % self.windows:
             raise ParameterError(f"task.control_steps is {self.control_steps}: give a multiple of the {self.windows} windows")
 
@@ -272,6 +339,7 @@ MaterialArguments = _argument_type(Material)
 SceneArguments = _argument_type(Scene)
 TaskArguments = _argument_type(Task)
 NoiseArguments = _argument_type(Noise)
+RigArguments = _argument_type(Rig)
 ChemotaxisArguments = _argument_type(Chemotaxis)
 ARGUMENTS = {Development: DevelopmentArguments, Material: MaterialArguments, Scene: SceneArguments, Task: TaskArguments}
-ARGUMENTS |= {Noise: NoiseArguments, Chemotaxis: ChemotaxisArguments}
+ARGUMENTS |= {Noise: NoiseArguments, Rig: RigArguments, Chemotaxis: ChemotaxisArguments}

@@ -12,6 +12,7 @@ from typing import Any
 
 from evodevo_sim.genetics.genome import GenomeError
 from evodevo_sim.genetics.genome_file import load_genome
+from evodevo_sim.hardware.rig import plant_settings
 from evodevo_sim.inputs import shown
 from evodevo_sim.parameters import ParameterError, preset, setting_of, with_settings
 from evodevo_sim.ros.command_line import pairs
@@ -130,8 +131,8 @@ def _before(found: Resumed, name: str, value: Any) -> str | None:
         return None if genomes == list(evolution.start) else (", ".join(found.sources) or "none")
     if name == "world":
         return None if with_world(task, value) == task else "another one"
-    if name in ("set", "preset"):
-        changes = dict(pairs(value)) if name == "set" else preset(value)
+    if name in ("set", "preset", "plant"):
+        changes = dict(pairs(value)) if name == "set" else preset(value) if name == "preset" else plant_settings(value, True)
         for setting, new in changes.items():
             if with_settings(task, {setting: new}) != task:
                 return f"{setting} = {shown(setting_of(task, setting.removeprefix('task.')))}"

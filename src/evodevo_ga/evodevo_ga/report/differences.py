@@ -97,7 +97,7 @@ def command(task: Task, settings: Settings, seed: int, chosen: str, files: Mappi
             given += [f"--{flag.replace('_', '-')}", repr(value)]
     for setting, value, _, _ in _fields(task, base):
         if setting != "development.max_cells":
-            given += ["--set", f"{setting}={value!r}" if not isinstance(value, str) else f"{setting}={value}"]
+            given += ["--set", f"{setting}={_spelt(value)}"]
     if files.get("start"):
         given += ["--start", *files["start"].split()]
     return shlex.join(["ros2", "run", "evodevo_ga", "evolve", *given])
@@ -120,7 +120,12 @@ def _fields(value: Any, default: Any, prefix: str = "") -> Iterator[tuple[str, A
             yield f"{prefix}{field.name}", one, other, f"{told.get('meaning', '')}{unit}".strip()
 
 
+def _spelt(value: Any) -> str:
+    """A value as `--set` takes it."""
+    return ",".join(map(str, value)) if isinstance(value, tuple) else value if isinstance(value, str) else repr(value)
+
+
 def _shown(value: Any) -> str:
     if value == UNLIMITED:
         return "without limit"
-    return f"{value:g}" if isinstance(value, float) else f"{len(value)} points" if isinstance(value, tuple) else str(value)
+    return f"{value:g}" if isinstance(value, float) else (_spelt(value) or "none") if isinstance(value, tuple) else str(value)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import time
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -144,4 +145,6 @@ class Journal:
             "task": task.name, "cells": task.development.max_cells, "seed": self._options.seed, "generation": generation,
             "fitness": repr(e.fitness), "distance": repr(e.metrics.distance), "audit": self.verdict,
         }
+        rig = {f"rig.{name}": value for name, value in dataclasses.asdict(task.rig).items() if value}
+        about |= {name: ",".join(map(str, value)) if isinstance(value, tuple) else value for name, value in rig.items()}
         save_genome(self._options.out / "champion.yaml", champion.genome, about, task.development)

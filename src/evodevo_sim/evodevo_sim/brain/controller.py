@@ -9,6 +9,7 @@ import numpy as np
 from ..development.growth import REST
 from ..kernels.jit import lean, seam
 from .brain import Brain, brain_unrest, think
+from .eyes import eyes_of
 from .scent import Signals, disturb, make_signals, scent_row, sense
 
 if TYPE_CHECKING:
@@ -37,8 +38,11 @@ def brain_step(brain, position, rules, step):
 
 @lean
 def brain_rests(brain, rules):
-    """Whether no concentration will ever change again, as far as can be told: never in variant A, whose past still arrives, or with noise."""
-    return rules.continual and not rules.signals.noise.size and brain_unrest(brain) < REST
+    """Whether no concentration will ever change again, as far as can be told: never in variant A, whose past still arrives, or with noise.
+
+    Nor where cells are seen late."""
+    signals = rules.signals
+    return rules.continual and not signals.noise.size and not signals.eyes.seen.size and brain_unrest(brain) < REST
 
 
 class Controller:
@@ -52,7 +56,7 @@ class Controller:
     def __init__(self, brain: Brain, task: Task, seed: int = 0):
         self.brain, self.steps = brain, 0
         self._scent = task.chemotaxis.scent_peak, task.chemotaxis.scent_reach
-        self.signals = make_signals(noise=task.noise.arguments(), seed=seed)
+        self.signals = make_signals(noise=task.noise.arguments(), seed=seed, eyes=eyes_of(task))
         continual = task.development.variant == "continual_graph"
         self._blind = Rules(task.control_step, task.development.arguments(), continual, self.signals)
         self._target = np.array([0.0, 0.0, *self._scent])
@@ -75,6 +79,7 @@ class Controller:
         rules = self._aimed
         if target is None and rules is not self._blind:
             self.brain.table[scent_row(self.brain.units)] = 0.0
+            self.signals.eyes.seen[...] = np.nan
             rules = self._blind
         elif target is not None:
             self._target[:2] = target

@@ -6,7 +6,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from ..parameters import ParameterError
-from ..ros.command_line import Parser, pairs, real_number, say_if_compiling, warn
+from ..ros.command_line import Parser, add_plant, real_number, say_if_compiling, settings_of, warn
 from ..ros.environment import need_no_graph, without_ros
 from ..task_kinds import names
 
@@ -34,6 +34,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("source", metavar="GENOME|BAG", help="a genome file, or the recording of a run")
     parser.add_argument("--task", default=names()[0], metavar="NAME", help=f"for a genome: {', '.join(names())} (default %(default)s)")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="for a genome: a number of its task")
+    add_plant(parser)
     within = "change that still stands, relative (default 0.01, of walkers 0.25)"
     parser.add_argument("--within", type=real_number, metavar="X", help=within)
     given = parser.parse_args(without_ros(sys.argv[1:] if arguments is None else arguments))
@@ -46,7 +47,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         if given.within is not None and not 0.0 < given.within <= 1.0:
             raise ParameterError(f"--within is {given.within!r}: give a number above 0, up to 1")
-        champion = champion_of(given.source, pairs(given.set), given.task, warn(parser.prog))
+        champion = champion_of(given.source, settings_of(given, given.task, warn(parser.prog)), given.task, warn(parser.prog))
         if champion.hardware:
             raise ParameterError(
                 f"{given.source} lived on the body {champion.hardware[:40]!r}, which no audit repeats: give its champion.yaml to audit the "

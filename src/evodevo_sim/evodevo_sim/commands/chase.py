@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 from ..parameters import ParameterError
-from ..ros.command_line import Parser, real_number, whole_number
+from ..ros.command_line import Parser, add_plant, real_number, whole_number
 from ..ros.environment import EnvironmentFault, check_environment, without_ros
 from ..view.files import OutputError
 from ..view.palettes import add_palette
@@ -45,6 +45,7 @@ def _parse(arguments: list[str]):
     parser.add_argument("--real-time-factor", type=real_number, default=1.0, metavar="X", help=pace)
     parser.add_argument("--simulator", metavar="NAMESPACE", help="of a simulator node on the graph (default: one of our own)")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="for a genome: a number of its task")
+    add_plant(parser)
     parser.add_argument("--out", type=Path, metavar="DIR", help="directory of a recording, made anew")
     parser.add_argument("--view", action="store_true", help="show it in the Rerun viewer")
     parser.add_argument("--save", type=Path, metavar="FILE.rrd", help="save a Rerun file while it runs")

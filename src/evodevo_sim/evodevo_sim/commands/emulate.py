@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 import sys
 import threading
 from pathlib import Path
 
 from ..command_process import heeded
-from ..parameters import ParameterError, default_task, with_settings
+from ..parameters import ParameterError, Rig, default_task, with_settings
 from ..ros.command_line import Parser, pairs
 from ..ros.environment import need_no_graph, without_ros
 
@@ -16,7 +17,7 @@ examples:
   ros2 run evodevo_sim emulate bags/sample-swim --link /tmp/eel --calibration eel.yaml
       the body of a run's champion, at /tmp/eel; eel.yaml is written where it is not there
   ros2 run evodevo_sim emulate champion.yaml --link /tmp/eel --calibration eel.yaml --rig plant.yaml
-      with the lag, the noise and the faults of plant.yaml (docs/guide/hardware.md)
+      with the lag, the noise and the faults of plant.yaml (docs/guide/hardware.md); without --rig, with those that a run was bred with
 
 A line of input lets something happen at once: unplug 0.5, restart, silence 0.3, garbage 1, pressure, stop, or fail and the numbers of
 cells.
@@ -62,7 +63,7 @@ def _emulator(given):
     from ..hardware.calibration import calibration_of, load_calibration, save_calibration
     from ..hardware.emulator import EmulatedBody, Emulator
     from ..hardware.firmware import Firmware
-    from ..hardware.rig import Rig, load_rig
+    from ..hardware.rig import load_rig, rig_of
     from ..live.animat import Animat, NotViable
     from ..recording.champion import champion_of
     from ..ros.command_line import warn
@@ -73,6 +74,7 @@ def _emulator(given):
         raise ParameterError(f"--link {given.link} is there already, and no link: give a path that is free")
     champion = champion_of(given.genome, pairs(given.set), "swim", warn("emulate"))
     task = champion.task if champion.task.name == "swim" else with_settings(default_task("swim"), {})
+    bred, task = task.rig, dataclasses.replace(task, rig=Rig())  # or else the body would have them twice
     animat = Animat(champion.genome, task)
     animat.step()  # whatever has to be compiled is, before the firmware must answer in time
     animat.reset()
@@ -81,7 +83,7 @@ def _emulator(given):
         with written_whole(path) as name, open(name, "w", encoding="utf-8") as file:
             save_calibration(calibration_of(animat.body.position, champion.name[:60] or "body"), file)
     calibration = load_calibration(path)
-    rig = load_rig(given.rig, calibration.cells) if given.rig else Rig()
+    rig = load_rig(given.rig, calibration.cells) if given.rig else rig_of(bred)
     if fault := calibration.why_not(animat.body.position):
         raise NotViable(f"{given.genome}: {fault}: give the calibration of its own body")
     body = EmulatedBody(animat.plant, calibration, rig, task.control_step)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..parameters import ParameterError
-from ..ros.command_line import Parser, pairs, real_number, say_if_compiling, warn, without_remarks
+from ..ros.command_line import Parser, add_plant, real_number, say_if_compiling, settings_of, warn, without_remarks
 from ..ros.environment import need_no_graph, without_ros
 from ..task_kinds import names
 from ..view import files
@@ -40,6 +40,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--width", type=real_number, metavar="MM", help=f"of the figure (default 178; {widths})")
     parser.add_argument("--task", default=names()[0], metavar="NAME", help=f"for genomes: {', '.join(names())} (default %(default)s)")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="for genomes: a number of the task")
+    add_plant(parser, "for genomes: ")
     add_palette(parser, "safe")
     given = parser.parse_args(without_ros(sys.argv[1:] if arguments is None else arguments))
     need_no_graph()
@@ -68,9 +69,9 @@ def _draw(given: Any, prog: str) -> None:
 
     kind = KINDS[given.kind]
     say_if_compiling("kernel.trials" if given.kind == "turning" else "kernel.swim")
-    settings = pairs(given.set)
+    task = "chemotaxis" if given.kind == "turning" else given.task
+    settings = settings_of(given, task, warn(prog))
     if kind.champions:
-        task = "chemotaxis" if given.kind == "turning" else given.task
         sources: list[Any] = [champion_of(source, settings, task, warn(prog)) for source in given.sources]
     else:
         sources = [shown_of(source, settings, given.task, warn(prog)) for source in given.sources]

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..parameters import ParameterError
-from ..ros.command_line import Parser, pairs, real_number, say_if_compiling, warn, whole_number
+from ..ros.command_line import Parser, add_plant, real_number, say_if_compiling, settings_of, warn, whole_number
 from ..ros.environment import need_no_graph, without_ros
 from ..task_kinds import names
 from ..view import files
@@ -35,6 +35,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("-o", "--out", type=Path, required=True, metavar="FILE", help=ending)
     parser.add_argument("--task", default=names()[0], metavar="NAME", help=f"for a genome: {', '.join(names())} (default %(default)s)")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="for a genome: a number of its task")
+    add_plant(parser)
     parser.add_argument("--no-growth", action="store_true", help="begin at birth")
     parser.add_argument("--width", type=whole_number, default=None, metavar="PX", help="of a video (default 800, of a GIF 480)")
     frames = "of a second of a video (default 30, of a GIF 15)"
@@ -51,7 +52,7 @@ def main(arguments: list[str] | None = None) -> int:
         files.check(given.out, *ENDINGS)
         _check(given)
         say_if_compiling("kernel.swim")
-        shown = shown_of(given.source, pairs(given.set), given.task, warn(parser.prog))
+        shown = shown_of(given.source, settings_of(given, given.task, warn(parser.prog)), given.task, warn(parser.prog))
         need_life(shown, given.source, "a film")
         with files.whole(given.out, *ENDINGS) as file:
             _write(shown, given, file)

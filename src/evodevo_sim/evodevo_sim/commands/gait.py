@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..parameters import ParameterError
-from ..ros.command_line import Parser, pairs, say_if_compiling, without_remarks
+from ..ros.command_line import Parser, add_plant, say_if_compiling, settings_of, warn, without_remarks
 from ..ros.environment import need_no_graph, without_ros
 from ..view import files
 from ..view.palettes import add_palette
@@ -32,6 +32,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = Parser("gait", "Name and measure the gait of a swimmer or walker.", _EPILOG)
     parser.add_argument("source", metavar="BAG|GENOME", help="a recording, or a genome file")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="for a genome: a number of its task")
+    add_plant(parser)
     parser.add_argument("--walk", action="store_true", help="for a recording: it walks, on the ground in it, or else flat at y = 0")
     parser.add_argument("--out", type=Path, metavar="FILE", help="save a picture, as its ending .png, .svg or .pdf says")
     parser.add_argument("--csv", type=Path, metavar="FILE.csv", help="save place, amplitude and phase of every cell")
@@ -82,11 +83,11 @@ def _track(given) -> Track:
         if given.walk:
             raise ParameterError("--walk is for a recording: the task of a genome says whether it walks")
         file = read_genome(path)
-        task = file.task(settings=pairs(given.set))
+        task = file.task(settings=settings_of(given, "swim", warn("gait")))
         say_if_compiling("kernel.swim")
         return track_of_performance(perform(file.genome, task), task)
-    if given.set:
-        raise ParameterError("--set is for a genome file: a recording names its own task")
+    if given.set or given.plant is not None:
+        raise ParameterError("--set is for a genome file, as --plant is: a recording names its own task")
     recording = read_recording(path)
     life = life_of(recording)
     for line in filter(None, (*recording.notes, words_of_stretch(life) if len(life.time) else "")):

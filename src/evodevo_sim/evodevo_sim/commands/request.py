@@ -6,7 +6,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from ..parameters import ParameterError, default_task
-from ..ros.command_line import Parser, pairs, real_number
+from ..ros.command_line import Parser, add_plant, real_number, settings_of, warn
 from ..ros.environment import need_no_graph, without_ros
 from ..task_kinds import names
 
@@ -31,6 +31,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--service", default="load", metavar="NAME", help=f"{', '.join(SERVICES)} (default %(default)s)")
     parser.add_argument("--task", default=names()[0], metavar="NAME", help=f"for a genome: {', '.join(names())} (default %(default)s)")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="for a genome: a number of its task")
+    add_plant(parser)
     pace = "load: simulated s per s; 0 is as fast as it goes (default %(default)s)"
     parser.add_argument("--real-time-factor", type=real_number, default=1.0, metavar="X", help=pace)
     given = parser.parse_args(without_ros(sys.argv[1:] if arguments is None else arguments))
@@ -44,7 +45,7 @@ def main(arguments: list[str] | None = None) -> int:
             raise ParameterError(f"--service is {given.service}: choose one of {', '.join(SERVICES)}")
         if not 0.0 <= given.real_time_factor <= 1e6:
             raise ParameterError(f"--real-time-factor is {given.real_time_factor}: give a number up to 1e6, or 0 for as fast as it goes")
-        champion = champion_of(given.source, pairs(given.set), given.task)
+        champion = champion_of(given.source, settings_of(given, given.task, warn(parser.prog)), given.task)
     except (GenomeError, ParameterError, RecordingError) as error:
         parser.exit(2, f"{parser.prog}: {error}\n")
     print(request_text(champion, given.service, given.real_time_factor), end="")

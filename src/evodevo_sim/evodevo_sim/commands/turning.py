@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..parameters import ParameterError
-from ..ros.command_line import Parser, pairs, say_if_compiling, warn, without_remarks
+from ..ros.command_line import Parser, add_plant, say_if_compiling, settings_of, warn, without_remarks
 from ..ros.environment import need_no_graph, without_ros
 from ..view.files import PICTURES, OutputError, check, whole
 from ..view.palettes import add_palette
@@ -32,6 +32,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = Parser("turning", "Analyse how animats turn towards targets.", _EPILOG)
     parser.add_argument("sources", nargs="+", metavar="GENOME|BAG", help="genome files, or recordings of runs")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="for genomes: a number of the task")
+    add_plant(parser, "for genomes: ")
     parser.add_argument("--out", type=Path, metavar="FILE", help="save a picture, as its ending .png, .svg or .pdf says")
     add_palette(parser)
     given = parser.parse_args(without_ros(sys.argv[1:] if arguments is None else arguments))
@@ -44,7 +45,8 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         if given.out:
             check(given.out, *PICTURES)
-        champions = [champion_of(source, pairs(given.set), "chemotaxis", warn(parser.prog)) for source in given.sources]
+        settings = settings_of(given, "chemotaxis", warn(parser.prog))
+        champions = [champion_of(source, settings, "chemotaxis", warn(parser.prog)) for source in given.sources]
         say_if_compiling("kernel.trials")
         found = []
         for champion in champions:

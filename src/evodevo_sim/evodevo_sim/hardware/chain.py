@@ -6,6 +6,7 @@ from collections import deque
 
 import numpy as np
 
+from ..plant.muscles import drawn
 from .rig import Actuators, Sensors
 
 _FINEST = 1e-9  # a resolution below it is none
@@ -42,13 +43,21 @@ class ActuatorChain:
         self.activation[:] = np.where(self._works, activation, 0.0)
         self._waiting = deque([np.array(activation, float)] * len(self._waiting))
 
+    def fail_by_lot(self, count: int, seed: int) -> tuple[int, ...]:
+        """The same of so many cells that still work, drawn by a seed.  Returns them."""
+        found = drawn(len(self._works), tuple(np.flatnonzero(~self._works).tolist()), count, seed)
+        self.fail(found)
+        return found
+
     def step(self, asked: np.ndarray) -> np.ndarray:
         """Take the activation asked for (N,), in [-1, 1].  Returns: the one that muscles have in this step; the same array each time."""
         law = self._law
         wanted = np.rint(asked / law.resolution) * law.resolution if law.resolution > _FINEST else np.array(asked, float)
         self._waiting.append(np.clip(wanted, -1.0, 1.0))
         towards = np.where(self._works, self._waiting.popleft(), 0.0)
-        self.activation += np.clip(self._share * (towards - self.activation), -self._most, self._most)
+        change = self._share * (towards - self.activation)
+        there = (self._share == 1.0) & (np.abs(change) <= self._most)  # the same bits, where neither lag nor rate hold it back
+        self.activation[...] = np.where(there, towards, self.activation + np.clip(change, -self._most, self._most))
         return self.activation
 
 

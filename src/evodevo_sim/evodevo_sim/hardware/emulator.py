@@ -139,7 +139,8 @@ class Emulator:
                 self._listen(left, start)
 
     def _begin(self, event: Event, now: float) -> None:
-        self._log(f"{now:.2f} s: {event.what}" + (f" of cells {', '.join(map(str, event.cells))}" if event.cells else ""))
+        cells = event.cells + (self._body.actuators.fail_by_lot(event.count, self._rig.seed) if event.count else ())
+        self._log(f"{now:.2f} s: {event.what}" + (f" of cells {', '.join(map(str, cells))}" if cells else ""))
         self._until[event.what] = now + event.lasts
         match event.what:
             case "unplug":

@@ -3,10 +3,10 @@
     actuators: {lag: 0.15, dead_time: 0.03, rate: 4.0, resolution: 0.01, dead: [3, 7]}
     sensors: {noise: 0.01, delay: 0.02, lost: 0.001, resolution: 0.001}
     line: {lost: 0.01, damaged: 0.01}
-    events: [{at: 2.0, what: unplug, for: 0.5}, {at: 5.0, what: fail, cells: [4]}]
+    events: [{at: 2.0, what: unplug, for: 0.5}, {at: 5.0, what: fail, cells: [4], count: 2}]
     seed: 1
 
-Whatever is left out does nothing.
+Whatever is left out does nothing.  A simulated body has the same actuators and sensors by the settings `rig.*` of its task.
 """
 
 from __future__ import annotations
@@ -14,12 +14,14 @@ from __future__ import annotations
 import dataclasses
 import math
 import os
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
 from ..inputs import InputError, decimal, shown
-from ..parameters import Checked, ParameterError, parameter
+from ..parameters import MOST_CELLS, Checked, ParameterError, parameter
+from ..parameters import Rig as Settings
 from ..text_file import check_keys, parsed, read_text
 
 MOST_EVENTS = 1000
@@ -33,14 +35,20 @@ class RigError(InputError, ValueError):
 _check_keys = partial(check_keys, RigError)
 
 
+def _like(name: str) -> Any:
+    """A field that is documented where the settings of a task have it."""
+    same = Settings.__dataclass_fields__[name]
+    return field(default=same.default, metadata=same.metadata)
+
+
 @dataclass(frozen=True)
 class Actuators(Checked):
     """From the activation that is asked for, e - c, to the one that a muscle has."""
 
-    lag: float = parameter(0.0, 0.0, 60.0, "s", "time constant of the approach to what is asked, of first order")
-    dead_time: float = parameter(0.0, 0.0, 10.0, "s", "time before a change begins to act")
-    rate: float = parameter(0.0, 0.0, 1e6, "1/s", "most change of e - c in a second; 0: no limit")
-    resolution: float = parameter(0.0, 0.0, 2.0, "", "step of e - c that a valve can set; 0: none")
+    lag: float = _like("lag")
+    dead_time: float = _like("dead_time")
+    rate: float = _like("rate")
+    resolution: float = _like("resolution")
     dead: tuple[int, ...] = ()  # cells whose actuators do nothing
 
 
@@ -48,10 +56,10 @@ class Actuators(Checked):
 class Sensors(Checked):
     """From where a cell is to where its marker is seen."""
 
-    noise: float = parameter(0.0, 0.0, 1e3, "m", "standard deviation of each coordinate")
-    delay: float = parameter(0.0, 0.0, 10.0, "s", "age of what is seen")
-    resolution: float = parameter(0.0, 0.0, 1e3, "m", "step of a coordinate; 0: none")
-    lost: float = parameter(0.0, 0.0, 1.0, "", "probability of a marker, in each frame, not to be seen")
+    noise: float = _like("sensor_noise")
+    delay: float = _like("sensor_delay")
+    resolution: float = _like("sensor_resolution")
+    lost: float = _like("sensor_lost")
 
 
 @dataclass(frozen=True)
@@ -64,12 +72,13 @@ class Line(Checked):
 
 @dataclass(frozen=True)
 class Event:
-    """What happens at a time, s from the start: one of KINDS, for so many s, to cells where it is `fail`."""
+    """What happens at a time, s from the start: one of KINDS, for so many s; where it is `fail`, to cells, and to so many drawn by lot."""
 
     at: float
     what: str
     lasts: float = 0.0
     cells: tuple[int, ...] = ()
+    count: int = 0
 
 
 @dataclass(frozen=True)
@@ -116,6 +125,50 @@ def make_rig(document: Any, cells: int | None = None) -> Rig:
     return Rig(events=made, seed=seed, **parts)
 
 
+def settings_of(rig: Rig) -> dict[str, object]:
+    """The settings of a task whose simulated body has this rig, for `parameters.with_settings`.  Raises RigError where there are none."""
+    fails = [event for event in rig.events if event.what == "fail"]
+    times = sorted({event.at for event in fails})
+    if len(times) > 1:
+        raise RigError(f"events: cells fail at {times[0]:g} s and at {times[1]:g} s: a simulated life has one time, give all the same")
+    failing = tuple(dict.fromkeys(cell for event in fails for cell in event.cells))
+    a, s = rig.actuators, rig.sensors
+    values = {
+        "lag": a.lag, "dead_time": a.dead_time, "rate": a.rate, "resolution": a.resolution, "dead_cells": a.dead, "failing_cells": failing,
+        "failures": sum(event.count for event in fails), "fail_at": times[0] if times else 0.0,
+        "sensor_noise": s.noise, "sensor_delay": s.delay, "sensor_resolution": s.resolution, "sensor_lost": s.lost,
+    }
+    return {f"rig.{name}": value for name, value in values.items()}
+
+
+def rig_of(settings: Settings) -> Rig:
+    """The other way: a rig of the settings of a task."""
+    s = settings
+    events = (Event(s.fail_at, "fail", 0.0, s.failing_cells, s.failures),) if s.failing_cells or s.failures else ()
+    actuators = Actuators(s.lag, s.dead_time, s.rate, s.resolution, s.dead_cells)
+    return Rig(actuators, Sensors(s.sensor_noise, s.sensor_delay, s.sensor_resolution, s.sensor_lost), events=events)
+
+
+def plant_settings(path: str | os.PathLike, scent: bool, say: Callable[[str], None] = lambda line: None) -> dict[str, object]:
+    """The settings of a task whose simulated body has the rig of a file.
+
+    Args: scent: whether there is one, the only thing that depends on where cells are seen; say: called with a line about what has no part
+    in simulation.  Raises ParameterError that names file, key and mend.
+    """
+    try:
+        rig = load_rig(path)
+        found = settings_of(rig)
+    except RigError as error:
+        named = str(error) if str(error).startswith(str(path)) else f"{path}: {error}"
+        raise ParameterError(named) from None
+    idle = [f"event {what}" for what in dict.fromkeys(event.what for event in rig.events) if what != "fail"]
+    idle += ["line"] * (rig.line != Line()) + ["seed"] * (rig.seed != 0)
+    idle += ["sensors, since there is no scent"] * (not scent and rig.sensors != Sensors())
+    if idle:
+        say(f"{path}: of no part in this simulation: {', '.join(idle)}")
+    return found
+
+
 def event_of_line(line: str, cells: int | None = None) -> Event:
     """The event of a line such as `unplug 0.5` or `fail 3 4`: what, and for how many s, or of which cells.  Raises RigError."""
     what, *rest = line.split() or [""]
@@ -141,12 +194,15 @@ def _part(kind: Any, given: Any, name: str, cells: int | None) -> Any:
 
 
 def _event(given: Any, where: str, cells: int | None) -> Event:
-    _check_keys(given, ("at", "what", "for", "cells"), where)
+    _check_keys(given, ("at", "what", "for", "cells", "count"), where)
     what = given.get("what")
     if what not in KINDS:
         raise RigError(f"{where}.what is {shown(what)}: choose one of {', '.join(KINDS)}")
     at, lasts = (_seconds(given.get(key, default), f"{where}.{key}") for key, default in (("at", None), ("for", 0.0)))
-    return Event(at, what, lasts, _cells(given.get("cells", []), f"{where}.cells", cells))
+    count, most = given.get("count", 0), MOST_CELLS if cells is None else cells
+    if isinstance(count, bool) or not isinstance(count, int) or not 0 <= count <= most:
+        raise RigError(f"{where}.count is {shown(count)}: give how many cells fail, 0 to {most}")
+    return Event(at, what, lasts, _cells(given.get("cells", []), f"{where}.cells", cells), count)
 
 
 def _seconds(value: Any, where: str) -> float:
@@ -156,7 +212,7 @@ def _seconds(value: Any, where: str) -> float:
 
 
 def _cells(value: Any, where: str, cells: int | None) -> tuple[int, ...]:
-    most = (cells if cells is not None else 4096) - 1
+    most = (cells if cells is not None else MOST_CELLS) - 1
     if not isinstance(value, (list, tuple)):
         raise RigError(f"{where} is {shown(value)}: give a list of cells, each from 0 to {most}")
     for k, one in enumerate(value):

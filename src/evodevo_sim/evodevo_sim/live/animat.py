@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import queue
 import threading
 import time
@@ -14,7 +15,7 @@ import numpy as np
 
 from ..genetics.genome import Genome
 from ..inputs import shown
-from ..parameters import ParameterError, Task
+from ..parameters import ParameterError, Rig, Task
 from ..plant import Outcome
 from ..tasks.memory import over_limit
 from ..tasks.outcome import FAILURE, STIFF, Status
@@ -32,7 +33,8 @@ class Animat:
     """An animat that lives for as long as it is stepped: a brain that drives a plant.
 
     Args: genome, task, seed: as for `evaluate`, but that no number of control steps ends it; embody: makes the plant that it drives in
-    the place of the simulated one, of that one; it may refuse it by NotViable.  Raises NotViable.
+    the place of the simulated one, of that one, and has actuators and sensors of its own, not those of the task; it may refuse it by
+    NotViable.  Raises NotViable.
 
     Attributes:
         brain: see `brain.controller.Controller`; plant: see `plant.Plant`; body: see `body.Body`.
@@ -43,6 +45,7 @@ class Animat:
     """
 
     def __init__(self, genome: Genome, task: Task = Task(), seed: int = 0, embody: Callable[[Any], Any] | None = None):
+        task = task if embody is None else dataclasses.replace(task, rig=Rig())
         self.genome, self.task, self.seed = genome, task, seed
         self.target: tuple[float, float] | None = None
         if too_much := over_limit(genome, task):

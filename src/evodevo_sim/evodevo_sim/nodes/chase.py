@@ -24,7 +24,7 @@ from ..recording import RecordingError, is_recording, read_recording
 from ..recording.champion import Champion, champion_of
 from ..recording.guarded import GuardedRecorder
 from ..ros.barrier import Callbacks, brief
-from ..ros.command_line import pairs, see_it, warn
+from ..ros.command_line import see_it, settings_of, warn
 from ..ros.environment import started
 from ..ros.messages import genome_message, target_message, task_message
 from ..ros.own_simulators import OwnSimulators
@@ -49,7 +49,7 @@ def chase(given: argparse.Namespace, arguments: list[str]) -> int:
     Raises ChaseError; where the input is bad EnvironmentFault, GenomeError, OutputError, ParameterError or RecordingError.
     """
     stay_on_this_host()
-    champion = champion_of(given.source, pairs(given.set), "chemotaxis", warn("chase"))
+    champion = champion_of(given.source, settings_of(given, "chemotaxis", warn("chase")), "chemotaxis", warn("chase"))
     if not champion.task.has_target:
         made = f"{given.source} was evolved for {champion.task.name}"
         raise ParameterError(f"{made}, without targets: give its champion.yaml, or another run")

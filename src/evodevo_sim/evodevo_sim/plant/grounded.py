@@ -13,6 +13,7 @@ from ..physics.ladder import MOST_DOUBLINGS, Ladder, again, remember
 from ..physics.soundness import judge
 from ..physics.step_size import MOST_SUBSTEPS, choose_walk_steps
 from .contract import Outcome
+from .muscles import steady
 from .simulated import BodyState, actuate, read_only, remembered, restore
 
 _STILL = 1e-7  # m/s below which nothing moves any more
@@ -70,15 +71,15 @@ def fastest(velocity):
 
 
 @lean
-def lies_still(grounded):
-    """Whether nothing moves any more."""
-    return fastest(grounded.state.velocity) < _STILL * _STILL
+def lies_still(grounded, activation, step):
+    """Whether nothing moves any more while the same activation (N,) is asked, from a control step on."""
+    return fastest(grounded.state.velocity) < _STILL * _STILL and steady(grounded.state.muscles, activation, step)
 
 
 @lean
-def walk_step(grounded, activation, signals, seconds):
+def walk_step(grounded, activation, signals, seconds, step):
     """One control step of a body on the ground, in place.  Returns: SOUND, or what was wrong."""
-    actuate(grounded.state, activation, signals)
+    actuate(grounded.state, activation, signals, step)
     return move(grounded, seconds)
 
 
@@ -89,13 +90,16 @@ class WalkingBody:
         self.grounded, self.state, self._signals = grounded, grounded.state, signals
         self.body = self.state.body
         self.position, self.velocity = read_only(self.state.position.T), read_only(self.state.velocity.T)
-        self._start = remembered(self.state)
+        self._start, self._steps, self._asked = remembered(self.state), 0, np.zeros(len(self.position))
 
     def move(self, activation: np.ndarray, seconds: float) -> Outcome:
-        return Outcome(walk_step(self.grounded, np.asarray(activation), self._signals, seconds))
+        self._asked[...] = activation
+        self._steps += 1
+        return Outcome(walk_step(self.grounded, self._asked, self._signals, seconds, self._steps - 1))
 
     def reset(self) -> None:
         restore(self._start)
+        self._steps = 0
 
     def rests(self) -> bool:
-        return bool(lies_still(self.grounded))
+        return bool(lies_still(self.grounded, self._asked, self._steps))

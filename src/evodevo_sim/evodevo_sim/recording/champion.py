@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -27,7 +27,7 @@ class Champion:
 
 
 def champion_of(
-    source: str | os.PathLike, settings: dict[str, str], task_name: str = "swim", say: Callable[[str], None] = lambda line: None
+    source: str | os.PathLike, settings: Mapping[str, object], task_name: str = "swim", say: Callable[[str], None] = lambda line: None
 ) -> Champion:
     """The champion of a genome file or a recording.
 
@@ -41,7 +41,7 @@ def champion_of(
         file = read_genome(path)
         return Champion(path.stem, file.genome, file.task(task_name, settings))
     if settings:
-        raise ParameterError("--set is for a genome file: a recording names its own task")
+        raise ParameterError("--set is for a genome file, as --plant is: a recording names its own task")
     recording = read_recording(path)
     for attribute in ("settings", "champions"):
         if attribute in recording.unread and not getattr(recording, attribute):

@@ -34,11 +34,11 @@ _NEEDED = {
     "Vertex": {"x", "y"},
 }
 _HASH = re.compile(r"RIHS01_[0-9a-f]{64}")
-_SETTINGS = {"Task", "Development", "Material", "Scene", "Noise", "Chemotaxis"}  # what is missing there has its default
+_SETTINGS = {"Task", "Development", "Material", "Scene", "Noise", "Rig", "Chemotaxis"}  # what is missing there has its default
 _ABSENT = {"Steering"}  # all 0 where there was none
 # What is not there holds none the less: all were so before the field came, or its empty value says that nobody knows.
 _TRUE = {
-    ("Task", "fitness"), ("Material", "muscle_range"), ("Evolution", "scheme"), ("Development", "division_room"),
+    ("Task", "fitness"), ("Task", "rig"), ("Material", "muscle_range"), ("Evolution", "scheme"), ("Development", "division_room"),
     ("Development", "division_neighbours"), ("Development", "waiting_turn"), ("Evolution", "elongations"), ("Evolution", "fillings"),
     ("Evolution", "redraws"), ("Evolution", "apart"),
 }

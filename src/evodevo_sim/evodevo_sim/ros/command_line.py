@@ -48,6 +48,23 @@ def pairs(items: list[str]) -> dict[str, str]:
     return given
 
 
+def add_plant(parser: argparse.ArgumentParser, what: str = "for a genome: ") -> None:
+    """The flag by which the simulated body has a rig's actuators and sensors."""
+    parser.add_argument("--plant", metavar="FILE", help=f"{what}actuators and sensors of a rig, e.g. plant.yaml (docs/guide/hardware.md)")
+
+
+def settings_of(given: argparse.Namespace, task: str, say: Callable[[str], None]) -> dict[str, object]:
+    """The settings of `--plant`, and over them those of `--set`.  Args: task: its name, which may be none.  Raises ParameterError."""
+    found: dict[str, object] = {}
+    if given.plant is not None:
+        from ..hardware.rig import plant_settings  # it takes YAML
+        from ..task_kinds import kind_of
+
+        kind = kind_of(task)
+        found = plant_settings(given.plant, kind is None or kind.has_target, say)
+    return found | pairs(given.set)
+
+
 def warn(prog: str) -> Callable[[str], None]:
     """What prints a line on stderr under a command's name."""
     return lambda line: print(f"{prog}: {line}", file=sys.stderr)

@@ -15,6 +15,7 @@ from ..development.body import build_body
 from ..development.growth import grow
 from ..genetics.regulation import express, prune
 from ..kernels.jit import kernel, lean
+from ..plant.muscles import Actuators
 from ..plant.simulated import BodyState, come_to_shape, make_body_state
 from .ends import NO_CHAMBER, NO_GROWTH, OK, UNSTABLE
 
@@ -33,6 +34,7 @@ class Model(NamedTuple):
     given_inputs: np.ndarray  # (inputs,) bool: which input signals the scene has
     bar: float  # fitness below which a life is worth nothing: it stops where it cannot reach that any more; -inf: it never does
     halt: np.ndarray  # see `plant.simulated.BodyState`
+    actuators: Actuators
 
 
 class Life(NamedTuple):
@@ -60,7 +62,7 @@ def develop(genome, model, history, activations, graphs):
 
 @kernel
 def birth(genome, model, finer):
-    """Grow a genome and bring its body to rest with the muscles where its network holds them.
+    """Grow a genome and bring its body to rest with the muscles where its network holds them, as far as actuators can.
 
     Args: genome: (kind, sign, x, y); finer: times as many substeps as are chosen, rounded up; 1 but for an audit.
 
@@ -75,7 +77,9 @@ def birth(genome, model, finer):
     elif body.triangle_area.size + body.polygon_area.size == 0:
         status = NO_CHAMBER
     brain = make_brain(weights, units, embryo, model.given_inputs, model.continual)
-    state = make_body_state(body, model.material, model.scene, model.task.control_step, finer, status == OK, model.halt)
+    state = make_body_state(
+        body, model.material, model.scene, model.task.control_step, finer, status == OK, model.halt, model.actuators
+    )
     if status == OK and state.substeps == 0:
         status = UNSTABLE
     if status == OK:

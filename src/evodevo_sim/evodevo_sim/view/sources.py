@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -34,7 +34,7 @@ class Shown:
 
 
 def shown_of(
-    source: str | os.PathLike, settings: dict[str, str] | None = None, task_name: str = "swim",
+    source: str | os.PathLike, settings: Mapping[str, object] | None = None, task_name: str = "swim",
     say: Callable[[str], None] = lambda line: None,
 ) -> Shown:
     """What there is to draw of a genome file or a recording.
@@ -51,7 +51,7 @@ def shown_of(
         performance = perform(file.genome, task)
         return _lived(path.stem, performance, task, say)
     if settings:
-        raise ParameterError("--set is for a genome file: a recording names its own task")
+        raise ParameterError("--set is for a genome file, as --plant is: a recording names its own task")
     recording = read_recording(path)
     for line in recording.notes:
         say(line)

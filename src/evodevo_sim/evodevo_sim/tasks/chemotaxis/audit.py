@@ -10,6 +10,7 @@ import numpy as np
 from ...genetics.genome import Genome
 from ...parameters import Task
 from ...physics.soundness import SOUND
+from ...plant.muscles import muscles_had
 from ..audit import Audit, held, ways_of
 from ..evaluation import Performance
 from ..repetition import Run, repeat_motion
@@ -26,11 +27,11 @@ def audit(genome: Genome, task: Task, seed: int, first: Performance, most_change
 
 
 def _kept(genome, task, seed, shown):
-    """Track (T + 1, N, 4) and activation (T + 1, N) of one swim."""
+    """Track (T + 1, N, 4) and activation that muscles had (T + 1, N) of one swim."""
     shape = (task.control_steps + 1, task.development.max_cells)
     track, activations = np.full((*shape, 4), np.nan), np.full(shape, np.nan)
     result = attempt(genome, task, seed, placements(task)[: shown + 1], shown, 1.0, (track, activations))
-    return track[:, : result.cells], activations[:, : result.cells].copy()
+    return track[:, : result.cells], muscles_had(activations[:, : result.cells].copy(), task, seed)
 
 
 def _run(genome, task, seed, first, result, kept, way):

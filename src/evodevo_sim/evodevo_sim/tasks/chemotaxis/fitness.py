@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ...brain.eyes import eyes_of
 from ...brain.scent import make_signals
 from ...genetics.genome import Genome
 from ...parameters import Task
@@ -46,7 +47,7 @@ def attempt(
     Args: placed (K, 2), every, shown: see `Tests`; kept: (track, activations), see `life.Kept`; bar: see `Model`, where the targets are
     those of the task.
     """
-    signals = make_signals(noise=task.noise.arguments(), seed=seed)
+    signals = make_signals(noise=task.noise.arguments(), seed=seed, eyes=eyes_of(task))
     placed = np.ascontiguousarray(placed, float).reshape(-1, 2)
     tests = Tests(task.chemotaxis.arguments(), placed, every, shown)
     return trials(*kernel_arguments(genome, task, bar), finer, tests, signals, *kept)

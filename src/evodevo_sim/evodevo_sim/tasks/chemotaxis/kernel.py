@@ -12,6 +12,7 @@ import numpy as np
 from ...brain.controller import Rules
 from ...brain.scent import Signals
 from ...kernels.jit import kernel, lean
+from ...plant.muscles import strike
 from ..ends import INVERTED, OK, RESTING, STOPPED, UNSTABLE, surely
 from ..life import Kept, birth
 from ..swim.kernel import Stakes, course
@@ -126,7 +127,8 @@ def trials(genome, model, finer, tests, signals, track, activations):
             status, -1, path, 0.0, 0.0, 0, cells, springs, chambers, False, (1.0, 0.0), targets, paths, actives, 0, np.inf
         )
     position, velocity, table, past = state.position.copy(), state.velocity.copy(), brain.table.copy(), brain.past.copy()
-    activation, activation_range = brain.activation.copy(), np.empty((2, cells))
+    strike(state.muscles, model.actuators, signals.random[0])
+    activation, activation_range, held = brain.activation.copy(), np.empty((2, cells)), state.muscles.held.copy()
     rules = Rules(model.task.control_step, model.development, model.continual, signals)
     bonus, gains, nearer = model.task.activity_bonus, np.zeros(count), np.zeros(count)
     more = 2.0 * bonus + _most_steered(chemotaxis, placements, gains, nearer, 0)
@@ -152,11 +154,11 @@ def trials(genome, model, finer, tests, signals, track, activations):
                     status, bound = STOPPED, most
                     break
             state.position[:], state.velocity[:], brain.table[:], brain.past[:] = position, velocity, table, past
-            brain.activation[:] = activation
+            brain.activation[:], state.muscles.held[:] = activation, held
             target = np.array([targets[k, 0], targets[k, 1], chemotaxis.scent_peak, chemotaxis.scent_reach])
             shown = k == tests.shown
             random = np.array([signals.random[0] + np.uint64(k + 1), np.uint64(0)])
-            aimed = Rules(model.task.control_step, model.development, model.continual, Signals(target, signals.noise, random))
+            aimed = Rules(model.task.control_step, model.development, model.continual, Signals(target, signals.noise, random, signals.eyes))
             ended, failed_step, _, actives[k], _ = course(
                 life, model, aimed, paths[k], Kept(activation_range, track if shown else track[:0], activations if shown else activations[:0]),
                 no_stakes,

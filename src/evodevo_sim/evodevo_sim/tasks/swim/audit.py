@@ -7,6 +7,7 @@ import numpy as np
 from ...genetics.genome import Genome
 from ...parameters import Task
 from ...physics.soundness import SOUND
+from ...plant.muscles import muscles_had
 from ..audit import Audit, held, ways_of
 from ..ends import OK
 from ..evaluation import Evaluation, Performance, perform
@@ -21,11 +22,12 @@ def audit(genome: Genome, task: Task, seed: int, first: Performance, most_change
 
 
 def _run(genome: Genome, task: Task, seed: int, first: Performance, way: Way) -> Run:
-    found = repeat_motion(first.body, task, first.evaluation.metrics.substeps, first.position[0], first.activation, way, task.windows)
+    had = muscles_had(first.activation, task, seed)
+    found = repeat_motion(first.body, task, first.evaluation.metrics.substeps, first.position[0], had, way, task.windows)
     if way.anew:
         evaluation = perform(genome, task, seed, finer=way.finer).evaluation
     else:
-        evaluation = _score_path(first.evaluation, first.activation, found.path, task)
+        evaluation = _score_path(first.evaluation, had, found.path, task)
     before = first.evaluation.fitness
     change = (evaluation.fitness - before) / max(abs(before), 1e-12)
     cause = evaluation.cause or ("" if found.outcome == SOUND else "the repeated motion is not sound")

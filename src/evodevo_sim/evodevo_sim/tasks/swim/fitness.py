@@ -12,6 +12,7 @@ from ...brain.scent import make_signals
 from ...genetics.elements import INPUT_NAMES
 from ...genetics.genome import Genome
 from ...parameters import Task
+from ...plant.muscles import actuators_of, strike
 from ...plant.simulated import SwimmingBody
 from ..halt import flag
 from ..life import Model, birth
@@ -28,14 +29,16 @@ def kernel_arguments(genome: Genome, task: Task, bar: float = -math.inf) -> tupl
     """(genome, Model) as kernels take them.  Args: bar: see `Model`."""
     model = Model(
         task.arguments(), task.development.arguments(), task.development.variant == "continual_graph", task.material.arguments(),
-        task.scene.arguments(), given_inputs(task), float(bar), flag(),
+        task.scene.arguments(), given_inputs(task), float(bar), flag(), actuators_of(task),
     )
     return genome.arrays(), model
 
 
 def begin(genome: Genome, task: Task, seed: int) -> tuple[int, Controller, SwimmingBody]:
-    """A swimmer at its birth, at rest: (status, brain, plant).  Args: seed: of noise."""
-    status, life = birth(*kernel_arguments(genome, task), 1.0)
+    """A swimmer at its birth, at rest: (status, brain, plant).  Args: seed: of noise, and of what fails."""
+    genes, model = kernel_arguments(genome, task)
+    status, life = birth(genes, model, 1.0)
+    strike(life.state.muscles, model.actuators, np.uint64(seed % 2**64))
     controller = Controller(life.brain, task, seed)
     return status, controller, SwimmingBody(life.state, controller.signals)
 
@@ -46,7 +49,8 @@ def run(
 ) -> Evaluation:
     """Evaluate a swimmer.
 
-    Args: finer, track, activations: see `swim.swim`; seed: of the noise, if there is any; bar: see `Model`: a plain distance has no bound.
+    Args: finer, track, activations: see `swim.swim`; seed: of noise and of what fails, if there is any; bar: see `Model`: a plain
+    distance has no bound.
     """
     signals = make_signals(noise=task.noise.arguments(), seed=seed)
     bar = -math.inf if task.fitness == "distance" else bar

@@ -15,6 +15,7 @@ from ...kernels.jit import kernel, lean, seam
 from ...physics.bounds import find_drag_rate
 from ...physics.mass import centre_of_mass
 from ...physics.soundness import SOUND
+from ...plant.muscles import strike
 from ...plant.simulated import actuate, move, rests
 from ..ends import INVERTED, OK, RESTING, STOPPED, UNSTABLE, end_of, surely
 from ..life import Kept, activity, birth, forget, keep, widen
@@ -64,14 +65,17 @@ def locomote(life, step, until, rules, kept):
         if kept.track.size:
             keep(life, kept.track[step], kept.activations[step])
         brain_step(brain, state.position, rules, step)
-        actuate(state, brain.activation, rules.signals)
+        actuate(state, brain.activation, rules.signals, step)
         outcome = move(state, rules.control_step)
         if outcome != SOUND:
             return end_of(outcome), step
         step += 1
         if kept.activation_range.size:
-            widen(kept.activation_range, brain.activation)
-        if step % LOOK == 0 and brain_rests(brain, rules) and rests(state):
+            if state.muscles.held.size:
+                widen(kept.activation_range, state.muscles.held[0])
+            else:
+                widen(kept.activation_range, brain.activation)
+        if step % LOOK == 0 and brain_rests(brain, rules) and rests(state, brain.activation, step):
             return RESTING, step
     return OK, step
 
@@ -136,6 +140,7 @@ def swim(genome, model, finer, signals, track, activations):
     if status != OK:
         return Swim(status, -1, path, 0.0, 0.0, 0, cells, springs, chambers, np.inf)
 
+    strike(life.state.muscles, model.actuators, signals.random[0])
     rules = Rules(model.task.control_step, model.development, model.continual, signals)
     stakes = Stakes(model.bar, np.inf, model.task.activity_bonus)
     status, step, amplitude, active, bound = course(life, model, rules, path, Kept(np.empty((2, cells)), track, activations), stakes)

@@ -13,6 +13,7 @@ from ...genetics.genome import Genome
 from ...parameters import Task
 from ...physics.terrain import make_terrain
 from ...plant.grounded import WalkingBody
+from ...plant.muscles import strike
 from ..ends import OK
 from ..outcome import FAILURE, Evaluation, Metrics, Status, by_body, failure, stopped
 from ..swim.fitness import kernel_arguments as swim_arguments
@@ -44,8 +45,8 @@ def run(
 ) -> Evaluation:
     """Evaluate a walker.
 
-    Args: seed: of its orientations at birth, and of noise; finer, track, activations: see `walk.walk`; bar: see `life.Model`: a plain
-    distance has no bound.
+    Args: seed: of its orientations at birth, of noise and of what fails; finer, track, activations: see `walk.walk`; bar: see
+    `life.Model`: a plain distance has no bound.
     """
     bar = -math.inf if task.fitness == "distance" else bar
     given, ledger = kernel_arguments(genome, task, bar), np.zeros((task.starts, 0))
@@ -59,7 +60,9 @@ def noise(task: Task, seed: int = 0) -> Any:
 
 def begin(genome: Genome, task: Task, seed: int) -> tuple[int, Controller, WalkingBody]:
     """A walker at rest on the ground, as in the first start of an evaluation: (status, brain, plant)."""
-    status, walker = hatch(*kernel_arguments(genome, task), 1.0, np.zeros(0))
+    genes, model, terrain = kernel_arguments(genome, task)
+    status, walker = hatch(genes, model, terrain, 1.0, np.zeros(0))
+    strike(walker.life.state.muscles, model.actuators, np.uint64(seed % 2**64))
     if status == OK:
         status = lay_down(walker.grounded, headings(seed, 1)[0])
     if status == OK:

@@ -18,6 +18,7 @@ from ...physics.mass import centre_of_mass
 from ...physics.soundness import SOUND
 from ...physics.terrain import clearance
 from ...plant.grounded import GroundedState, fastest, lies_still, make_grounded_state, move
+from ...plant.muscles import strike
 from ...plant.simulated import actuate
 from ..ends import INVERTED, NO_ROOM, OK, RESTING, UNSETTLED, UNSTABLE, end_of, surely
 from ..life import Kept, Life, activity, birth, forget, keep, widen
@@ -61,6 +62,7 @@ class Moment(NamedTuple):
     rest: np.ndarray
     position: np.ndarray
     velocity: np.ndarray
+    held: np.ndarray
 
 
 @kernel
@@ -69,6 +71,7 @@ def _make_moments(life, starts):
     return Moment(
         np.empty((starts, *brain.table.shape)), np.empty((starts, *brain.past.shape)), np.empty((starts, brain.activation.size)),
         np.empty((starts, state.rest.size)), np.empty((starts, *state.position.shape)), np.empty((starts, *state.position.shape)),
+        np.empty((starts, *state.muscles.held.shape)),
     )
 
 
@@ -78,6 +81,7 @@ def _leave(life, moments, k):
     brain, state = life.brain, life.state
     moments.table[k], moments.past[k], moments.activation[k] = brain.table, brain.past, brain.activation
     moments.rest[k], moments.position[k], moments.velocity[k] = state.rest, state.position, state.velocity
+    moments.held[k] = state.muscles.held
 
 
 @kernel
@@ -86,6 +90,7 @@ def _return(life, moments, k):
     brain, state = life.brain, life.state
     brain.table[:], brain.past[:], brain.activation[:] = moments.table[k], moments.past[k], moments.activation[k]
     state.rest[:], state.position[:], state.velocity[:] = moments.rest[k], moments.position[k], moments.velocity[k]
+    state.muscles.held[:] = moments.held[k]
 
 
 @lean
@@ -183,7 +188,7 @@ def locomote(walker, step, until, rules, kept):
                 then[1, i] = position[1, i] - half * velocity[1, i]
             ledger[0] -= stored_energy(body, state.law, state.rest, gravity, then, velocity)[1]
         brain_step(brain, position, rules, step)
-        actuate(state, brain.activation, rules.signals)
+        actuate(state, brain.activation, rules.signals, step)
         if ledger.size:
             ledger[0] += stored_energy(body, state.law, state.rest, gravity, state.scratch.position, velocity)[1]
         outcome = move(grounded, rules.control_step)
@@ -191,8 +196,11 @@ def locomote(walker, step, until, rules, kept):
             return end_of(outcome), step
         step += 1
         if kept.activation_range.size:
-            widen(kept.activation_range, brain.activation)
-        if step % LOOK == 0 and brain_rests(brain, rules) and lies_still(grounded):
+            if state.muscles.held.size:
+                widen(kept.activation_range, state.muscles.held[0])
+            else:
+                widen(kept.activation_range, brain.activation)
+        if step % LOOK == 0 and brain_rests(brain, rules) and lies_still(grounded, brain.activation, step):
             return RESTING, step
     return OK, step
 
@@ -234,7 +242,7 @@ def walk(genome, model, terrain, headings, finer, signals, shown, ledger):
     Args:
         genome, model: as for `swim.swim`; terrain: see `terrain.Terrain`.
         headings (S, 2): unit vectors, the orientations at birth; finer: times as many steps of physics; signals: noise, and its
-            seed in the first start.
+            seed in the first start, which is that of what fails, too.
         shown: (track, activations), see `life.Kept`, of the first start; ledger: (S, 4), added to while it walks, or (S, 0).
 
     Returns: Walk.
@@ -251,6 +259,7 @@ def walk(genome, model, terrain, headings, finer, signals, shown, ledger):
     stops = model.bar > -np.inf and starts * (brain.table.size + brain.past.size) <= _MOST_KEPT
     # Where a bar can stop them, all starts walk a window each, then the next one; else one after the other, to the end.
     rounds = task.windows if stops else 1
+    strike(state.muscles, model.actuators, signals.random[0])
     moments, newborn = _make_moments(life, starts if stops else 0), _make_moments(life, 1)
     _leave(life, newborn, 0)
     activation_range = np.empty((2, cells))
@@ -273,7 +282,7 @@ def walk(genome, model, terrain, headings, finer, signals, shown, ledger):
                 _return(life, moments, k)
             if status[k] == OK:
                 kept = Kept(activation_range, track if k == 0 else track[:0], activations if k == 0 else activations[:0])
-                noise = Signals(signals.target, signals.noise, np.array([signals.random[0] + np.uint64(k), np.uint64(0)]))
+                noise = Signals(signals.target, signals.noise, np.array([signals.random[0] + np.uint64(k), np.uint64(0)]), signals.eyes)
                 rules = Rules(task.control_step, model.development, model.continual, noise)
                 windows = turn * task.windows // rounds, (turn + 1) * task.windows // rounds
                 status[k], step, amplitude[k], active[k] = _walk_windows(
