@@ -21,6 +21,7 @@ _GIVE_UP = 10.0  # s without a state
 _SPOILT = 0.05  # share of a life in which the body did not do what it was told, from which on that life says nothing
 _MOMENT = 10  # control steps that spoil no life, however short it is
 _LIVES = 3  # that are tried
+_ARMING = 40  # states for which an arming may take
 _FRESH = 15  # control steps within which a cell must have been seen to count as seen
 
 
@@ -71,7 +72,7 @@ def trial(
     except NotViable as error:
         grown = evaluate(genome, task, seed)
         return grown if grown.status in FAILURE else invalid(str(error))
-    if body.health == Health.STOPPED:
+    if not _may_move(body):
         raise TrialError(body.why, moved=False)
     why = ""
     for _ in range(_LIVES):
@@ -81,6 +82,16 @@ def trial(
         if not why:
             return score(swim, task)
     return failure(Status.UNSTABLE, _metrics(animat), cause=f"{why} in each of {_LIVES} lives on the body")
+
+
+def _may_move(body: SerialBody) -> bool:
+    """Whether the body is not stopped, or no more in a moment, since a person's arming is on its way."""
+    sight = body.look()
+    for _ in range(_ARMING):
+        if body.health != Health.STOPPED:
+            return True
+        sight = body.look(sight.number if sight is not None else -1)
+    return False
 
 
 def _live(animat: Animat, body: SerialBody, stop: Callable[[], bool], show: Callable[[Animat], None]) -> tuple[Swim, str]:
