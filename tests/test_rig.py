@@ -138,6 +138,7 @@ START = str(champions()[GENOME])
     (["--rig", "/eel"], "--rig is given without --start"),
     (["--rig", "/eel", "--start", START, "--simulators", "2"], "--simulators is given beside --rig"),
     (["--rig", "/eel", "--start", START, "--backend", "local"], "--backend is given beside --rig"),
+    (["--rig", "/eel", "--start", START, "--plant", "plant.yaml"], "--plant is given beside --rig"),
     (["--rig", "/eel", "--start", START, "--task", "walk"], "--task is walk: give swim with --rig"),
 ])
 def test_what_cannot_go_on_hardware_is_refused(arguments, says, capsys):
