@@ -193,7 +193,7 @@ def test_files_and_settings_lead_there_and_back(tmp_path):
 def on_the_rig(genome, task, rig):
     """The distance of a swimmer on an emulated body, by the clock of its brain."""
     animat = Animat(genome, dataclasses.replace(task, rig=Rig()), 1)
-    calibration = calibration_of(animat.position)
+    calibration = calibration_of(animat.body.position)
     body = EmulatedBody(animat.plant, calibration, rig, task.control_step)
     return trial(genome, task, 1, SteppedBody(body, calibration, task.control_step)).metrics.distance
 

@@ -40,7 +40,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--rig", metavar="FILE", help="what is known of actuators, and where the fit of lag begins")
     sets = "a number of the model that is known, or where the fit begins, e.g. material.mass=0.8"
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help=sets)
-    parser.add_argument("-o", "--out", type=Path, metavar="FILE.yaml", help="write actuators and sensors for emulate, made anew")
+    parser.add_argument("-o", "--out", type=Path, metavar="FILE.yaml", help="write actuators and sensors, for emulate, evolve; made anew")
     given = parser.parse_args(without_ros(sys.argv[1:] if arguments is None else arguments))
     need_no_graph()
     from ..hardware.rig import RigError
@@ -58,7 +58,7 @@ def main(arguments: list[str] | None = None) -> int:
         print(table(found))
         for path, one in zip(given.others, seen[len(given.recordings) :]):
             print(f"{path}: {_tried(one, found)}")
-        print(_use(found))
+        print(_use(found, given.out))
         if given.out:
             _write(given.out, found, rig)
             print(f"Saved {given.out}")
@@ -113,9 +113,9 @@ def _settings(found: Fit) -> list[str]:
     return [f"{parts[name]}.{name}={value:.5g}" for name, value in found.numbers.items() if name in parts]
 
 
-def _use(found: Fit) -> str:
-    sets = " ".join(f"--set {shlex.quote(one)}" for one in _settings(found))
-    return f"Use it:   ros2 run evodevo_ga evolve {sets}" if sets else "Use it:   with -o FILE, by --rig of emulate"
+def _use(found: Fit, out: Path | None) -> str:
+    words = [f"--set {shlex.quote(one)}" for one in _settings(found)] + ([f"--plant {shlex.quote(str(out))}"] if out else [])
+    return f"Use it:   ros2 run evodevo_ga evolve {' '.join(words)}" if words else "Use it:   with -o FILE, by --plant of evolve"
 
 
 def _write(path: Path, found: Fit, rig: Any) -> None:
