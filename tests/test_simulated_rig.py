@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from evodevo_ga.arguments import parse
 from evodevo_ga.keeping.checkpoint import settings_hash, task_of_plain
+from evodevo_ga.keeping.resume import _refuse_changes as refuse
 from evodevo_ga.report.differences import command, differences
 from evodevo_sim.brain.eyes import eyes_of, see
 from evodevo_sim.commands.request import main as request
@@ -148,6 +149,26 @@ def test_a_file_says_what_has_no_part_in_simulation(tmp_path, capsys):
     assert options.task.rig == Rig(lag=0.2, sensor_noise=0.1) and said.count("\n") == 1
     assert all(word in said for word in ("unplug", "line", "seed", "sensors"))
     assert parse(["--plant", plant, "--set", "rig.lag=0.1", "--out", str(tmp_path / "run")]).task.rig.lag == 0.1
+
+
+def test_a_run_is_resumed_with_its_own_plant_alone(tmp_path):
+    task = with_settings(SWIM, {"rig.lag": 0.2})
+    found = SimpleNamespace(evolution=Evolution(Settings(generations=2, population=4), 1), task=task, rig="", directory="run")
+    refuse(found, {"plant": written(tmp_path, "actuators: {lag: 0.2}")})
+    refuse(found, {"plant": written(tmp_path, "actuators: {lag: 0.3}"), "set": ["rig.lag=0.2"]})
+    with pytest.raises(ParameterError, match=r"--plant is .* has rig.lag = 0.2"):
+        refuse(found, {"plant": written(tmp_path, "actuators: {lag: 0.3}")})
+
+
+@pytest.mark.parametrize("arguments, says", [
+    (["--plant", "nowhere.yaml"], "nowhere.yaml"), (["--plant", ""], "a rig's file"), (["--set", "rig.lga=1"], "did you mean 'rig.lag'"),
+    (["--rig", "/eel", "--plant", "p.yaml"], "leave it out"),
+])
+def test_flags_that_cannot_be_are_one_line(capsys, arguments, says):
+    with pytest.raises(SystemExit) as end:
+        parse(arguments)
+    said = capsys.readouterr().err
+    assert end.value.code == 2 and said.count("\n") == 1 and len(said) <= 300 and says in said
 
 
 @pytest.mark.parametrize("text, says", [
