@@ -93,8 +93,9 @@ def bar(axes: Axes, metres: float, around: np.ndarray | None = None) -> None:
     Args: around (N, 2) m: centres of cells.
     """
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    tall = top - bottom
-    text = tall * 8.0 / (axes.get_window_extent().height * 72.0 / axes.get_figure().dpi)  # of 6 points, with some room
+    figure, tall = axes.get_figure(), top - bottom
+    assert figure is not None
+    text = tall * 8.0 / (axes.get_window_extent().height * 72.0 / figure.dpi)  # of 6 points, with some room
     cells, clear = np.empty((0, 2)) if around is None else np.asarray(around), (metres / 2 + 0.6, text / 2 + 0.6)
     places = [(x, y) for x in (right, left + metres) for y in (bottom + 0.02 * tall, top - text - 0.02 * tall)]
     free = (at for at in places if not np.any(np.all(np.abs(cells - (at[0] - metres / 2, at[1] + text / 2)) <= clear, axis=1)))
