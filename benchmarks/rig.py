@@ -5,7 +5,7 @@
     python benchmarks/rig.py --seeds 1 --first 3 --lag 0.3 --rate 2 --csv rig.csv --genomes out
 
 Each seed breeds two swimmers, one with the rig in the task and one without.  Both then swim on the emulated body: firmware, protocol,
-limits, calibration, actuators and camera, from muscles at rest, by the driver's evaluation (`hardware.trial`) at the body's own clock.
+limits, calibration, actuators and camera, from its shape at birth, by the driver's evaluation (`hardware.trial`) at the body's own clock.
 """
 
 from __future__ import annotations
@@ -52,9 +52,11 @@ def emulated(genome: Genome, task: Task, rig: Rig, seed: int) -> float:
     """m that a swimmer goes on the emulated rig, in the time of its task."""
     plain = with_settings(default_task(task.name), {"development.max_cells": task.development.max_cells})
     animat = Animat(genome, plain, seed)
-    calibration = calibration_of(animat.position)
+    calibration = calibration_of(animat.body.position)
     body = SteppedBody(EmulatedBody(animat.plant, calibration, rig, plain.control_step), calibration, plain.control_step)
-    return trial(genome, plain, seed, body).metrics.distance
+    found = trial(genome, plain, seed, body)
+    assert not found.cause, found.cause
+    return found.metrics.distance
 
 
 def frequency(genome: Genome, task: Task, seed: int) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from evodevo_ga.arguments import parse
 from evodevo_ga.keeping.checkpoint import settings_hash, task_of_plain
+from evodevo_ga.keeping.resume import _refuse_changes as refuse
 from evodevo_ga.report.differences import command, differences
 from evodevo_sim.brain.eyes import eyes_of, see
 from evodevo_sim.commands.request import main as request
@@ -150,6 +151,26 @@ def test_a_file_says_what_has_no_part_in_simulation(tmp_path, capsys):
     assert parse(["--plant", plant, "--set", "rig.lag=0.1", "--out", str(tmp_path / "run")]).task.rig.lag == 0.1
 
 
+def test_a_run_is_resumed_with_its_own_plant_alone(tmp_path):
+    task = with_settings(SWIM, {"rig.lag": 0.2})
+    found = SimpleNamespace(evolution=Evolution(Settings(generations=2, population=4), 1), task=task, rig="", directory="run")
+    refuse(found, {"plant": written(tmp_path, "actuators: {lag: 0.2}")})
+    refuse(found, {"plant": written(tmp_path, "actuators: {lag: 0.3}"), "set": ["rig.lag=0.2"]})
+    with pytest.raises(ParameterError, match=r"--plant is .* has rig.lag = 0.2"):
+        refuse(found, {"plant": written(tmp_path, "actuators: {lag: 0.3}")})
+
+
+@pytest.mark.parametrize("arguments, says", [
+    (["--plant", "nowhere.yaml"], "nowhere.yaml"), (["--plant", ""], "a rig's file"), (["--set", "rig.lga=1"], "did you mean 'rig.lag'"),
+    (["--rig", "/eel", "--plant", "p.yaml"], "leave it out"),
+])
+def test_flags_that_cannot_be_are_one_line(capsys, arguments, says):
+    with pytest.raises(SystemExit) as end:
+        parse(arguments)
+    said = capsys.readouterr().err
+    assert end.value.code == 2 and said.count("\n") == 1 and len(said) <= 300 and says in said
+
+
 @pytest.mark.parametrize("text, says", [
     ("actuators: {lag: -1}", "actuators.lag is -1"),
     ("actuators: {lga: 1}", "did you mean 'actuators.lag'"),
@@ -193,7 +214,7 @@ def test_files_and_settings_lead_there_and_back(tmp_path):
 def on_the_rig(genome, task, rig):
     """The distance of a swimmer on an emulated body, by the clock of its brain."""
     animat = Animat(genome, dataclasses.replace(task, rig=Rig()), 1)
-    calibration = calibration_of(animat.position)
+    calibration = calibration_of(animat.body.position)
     body = EmulatedBody(animat.plant, calibration, rig, task.control_step)
     return trial(genome, task, 1, SteppedBody(body, calibration, task.control_step)).metrics.distance
 

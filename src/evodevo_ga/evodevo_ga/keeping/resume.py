@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import os
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -101,8 +101,9 @@ def _refuse_less(name: str, value: float, before: float | None) -> None:
 
 def _refuse_changes(found: Resumed, given: Mapping[str, Any]) -> None:
     """Raises ParameterError that names a flag by which the run would be another one."""
+    over = {name.removeprefix("task.") for name in pairs(given.get("set", []))}  # --set goes over --preset and --plant
     for name, value in given.items():
-        before = _before(found, name, value)
+        before = _before(found, name, value, over)
         if before is not None:
             flag = f"--{name.replace('_', '-')}"
             raise ParameterError(f"{flag} is {_said(value)}, and the run in {found.directory} has {before}: {_ONLY}")
@@ -112,7 +113,7 @@ def _said(value: Any) -> str:
     return shown(" ".join(value) if isinstance(value, list) else value)
 
 
-def _before(found: Resumed, name: str, value: Any) -> str | None:
+def _before(found: Resumed, name: str, value: Any, over: Collection[str] = ()) -> str | None:
     """What the run has where a flag says something else; None where it says the same, or is none of those that a run's bits depend on."""
     evolution, task = found.evolution, found.task
     if name in RAISED or name in _LIMITS:
@@ -134,7 +135,7 @@ def _before(found: Resumed, name: str, value: Any) -> str | None:
     if name in ("set", "preset", "plant"):
         changes = dict(pairs(value)) if name == "set" else preset(value) if name == "preset" else plant_settings(value, True)
         for setting, new in changes.items():
-            if with_settings(task, {setting: new}) != task:
+            if (name == "set" or setting not in over) and with_settings(task, {setting: new}) != task:
                 return f"{setting} = {shown(setting_of(task, setting.removeprefix('task.')))}"
     return None
 

@@ -163,7 +163,7 @@ def plant_settings(path: str | os.PathLike, scent: bool, say: Callable[[str], No
         raise ParameterError(named) from None
     idle = [f"event {what}" for what in dict.fromkeys(event.what for event in rig.events) if what != "fail"]
     idle += ["line"] * (rig.line != Line()) + ["seed"] * (rig.seed != 0)
-    idle += ["sensors, since there is no scent"] * (not scent and rig.sensors != Sensors())
+    idle += ["sensors (there is no scent)"] * (not scent and rig.sensors != Sensors())
     if idle:
         say(f"{path}: of no part in this simulation: {', '.join(idle)}")
     return found

@@ -13,7 +13,7 @@ from .emulator import EmulatedBody
 from .firmware import Firmware
 from .limits import Limiter
 from .protocol import Arm, Command, Parser, State, after, encode
-from .serial_body import Sight
+from .serial_body import Health, Sight
 
 
 class SteppedBody:
@@ -22,7 +22,7 @@ class SteppedBody:
     Args: body; calibration: its own; control_step: s.
     """
 
-    why = "it is emulated"
+    health, why = Health.FINE, "it is emulated"
 
     def __init__(self, body: EmulatedBody, calibration: Calibration, control_step: float):
         c = self.calibration = calibration
