@@ -129,3 +129,17 @@ def test_kinds_and_numbers_are_checked_first(bag, tmp_path, capsys):
             command.main([*arguments, "-o", str(tmp_path / "a.pdf")])
         assert leaving.value.code == 2 and len(capsys.readouterr().err.splitlines()[-1]) <= 300
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("free", [(0, 1), (1, 1), (0, 0), (1, 0)])
+def test_the_bar_stands_where_no_cell_is_in_its_way(free):
+    import matplotlib.pyplot as plt
+    from evodevo_sim.view.figures.sheet import bar
+
+    figure, axes = plt.subplots()
+    axes.set(xlim=(-10.0, 10.0), ylim=(-10.0, 10.0))
+    cells = np.array([(19.0 * x - 9.5, 19.0 * y - 9.5) for x in (0, 1) for y in (0, 1) if (x, y) != free])
+    bar(axes, 4.0, cells)
+    x, y = axes.lines[0].get_data()
+    plt.close(figure)
+    assert np.ptp(x) == pytest.approx(4.0) and (np.mean(x) > 0, np.mean(y) > 0) == tuple(map(bool, free))

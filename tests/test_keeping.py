@@ -213,6 +213,15 @@ def test_a_damaged_checkpoint_is_told_and_the_one_before_it_used(tmp_path_factor
 coordinates = st.floats(-9.0, 9.0) | st.sampled_from([0.0, -0.0, 1e-300, 5e-324, 1.0])
 
 
+def test_texts_of_numbers_that_nobody_has_any_more_are_not_kept(monkeypatch):
+    monkeypatch.setattr("evodevo_ga.keeping.text._NUMBERS", 50)
+    texts, genome = Texts(), load_champion("ribbon")
+    for k in range(20):
+        moved = Genome(genome.kind, genome.sign, genome.x + k, genome.y - k)
+        texts.of([Individual(moved, stand_in(moved))])
+        assert len(texts._numbers) <= 4 * len(genome)
+
+
 @given(st.lists(st.tuples(st.sampled_from([-1, 1]), coordinates, coordinates), min_size=8, max_size=9), st.floats(-5, 5), st.integers(0, 8))
 def test_the_text_of_an_individual_is_that_of_its_plain_data_to_the_last_bit(elements, fitness, status):
     sign, x, y = (np.array(column) for column in zip(*elements))

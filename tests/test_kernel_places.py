@@ -62,7 +62,7 @@ def test_a_reason_that_was_given_before_compiling_is_not_given_again(own, monkey
 
 
 def test_what_can_be_written_is_promised_once_and_left_clean(own):
-    assert _jit.compiling("swim.swim") == "Compiling the simulation kernels, once: about a minute."
+    assert _jit.compiling("swim.swim") == "Compiling the simulation kernels, once: half a minute to a minute."
     assert list((own.caches / "ours").iterdir()) == []
 
 

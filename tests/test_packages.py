@@ -400,7 +400,7 @@ def test_evolve_follows_when_each_simulator_is_ready_or_has_ended(launch_stand_i
     heard = [one.given[0].named["on_stderr"] for one in actions if one.kind == "RegisterEventHandler"]
     ready = types.SimpleNamespace(text=b"[INFO] [sim_0.simulator]: ready")
     assert [heard[0](ready), heard[0](ready), nodes[2].named["on_exit"](None, None)] == [None] * 3
-    assert heard[1](types.SimpleNamespace(text=b"Compiling the simulation kernels, once: about a minute.")) is None
+    assert heard[1](types.SimpleNamespace(text=b"Compiling the simulation kernels, once: half a minute to a minute.")) is None
     (evolve,) = heard[1](ready)
     assert evolve.named["arguments"] == ["--task", "walk", "--seed", "4"]
     assert heard[1](ready) is None and nodes[0].named["on_exit"](None, None) is None

@@ -1,5 +1,6 @@
 """Reports: one page of a run that a browser shows without a network, whose command repeats it, and which says what a run does not hold."""
 
+import re
 import shlex
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -19,6 +20,7 @@ from evodevo_ga.report.descent import descent_of
 from evodevo_ga.report.differences import command, differences, world_text
 from evodevo_ga.report.page import report_page
 from evodevo_ga.report.runs import read_run
+from evodevo_ga.report.unlike import archive_section
 from evodevo_ga.report_command import main
 from evodevo_ga.schemes import scheme
 from evodevo_sim.parameters import default_task, with_settings
@@ -222,6 +224,22 @@ def test_bad_input_is_one_line_and_leaves_no_file(bag, tmp_path, capsys):
     assert "empty.mcap" in refused(capsys, tmp_path / "empty.mcap", bag, "-o", out)
     assert "never overwritten" in refused(capsys, bag, "-o", tmp_path / "taken.html")
     assert ".html" in refused(capsys, bag, "-o", tmp_path / "report.pdf") and not out.exists()
+
+
+def test_what_gallery_left_of_an_archive_is_told_by_gait(tmp_path):
+    run = SimpleNamespace(path=tmp_path, told=SimpleNamespace(scheme="niches"))
+    assert archive_section(run) == ""
+    run.told.scheme = "gaits"
+    assert "not drawn yet" in archive_section(run)
+    (tmp_path / "archive").mkdir()
+    table = tmp_path / "archive" / "archive.csv"
+    table.write_text(
+        "gait,fitness_m,audit\nundulation,3.5,FAILED: x\nundulation,2.5,the fitness stands (2.5 m)\njellyfish,9,not audited\n,1,FAILED: y\n"
+    )
+    cells = re.findall(r"<t[hd][^>]*>([^<]*)</t[hd]>", archive_section(run))[5:]
+    assert cells == ["jellyfish", "1", "9", "not audited", "-", "undulation", "2", "3.5", "1 of 2", "2.5", "none", "1", "1", "0 of 1", "-"]
+    table.write_text("gait,fitness_m\nundulation,far\n")
+    assert "cannot be read" in archive_section(run) and "run gallery again" in archive_section(run)
 
 
 def test_a_run_that_was_cut_off_is_told_as_far_as_it_goes(bag, tmp_path, capsys):

@@ -138,6 +138,7 @@ START = str(champions()[GENOME])
     (["--rig", "/eel"], "--rig is given without --start"),
     (["--rig", "/eel", "--start", START, "--simulators", "2"], "--simulators is given beside --rig"),
     (["--rig", "/eel", "--start", START, "--backend", "local"], "--backend is given beside --rig"),
+    (["--rig", "/eel", "--start", START, "--plant", "plant.yaml"], "--plant is given beside --rig"),
     (["--rig", "/eel", "--start", START, "--task", "walk"], "--task is walk: give swim with --rig"),
 ])
 def test_what_cannot_go_on_hardware_is_refused(arguments, says, capsys):
@@ -238,20 +239,21 @@ def evolve(*arguments):
 
 
 def test_evolve_on_an_emulated_rig(tmp_path, capsys):
-    """Two generations of three; then the run goes on."""
+    """A generation of two; then the run goes on."""
     faults = "actuators: {lag: 0.05}\nsensors: {noise: 0.002, lost: 0.01}"
-    small = ["--population", "3", "--elite", "1", "--generations", "2", "--set", "control_steps=80", "--quiet", "--out", tmp_path / "run"]
+    small = ["--population", "2", "--elite", "1", "--generations", "1", "--set", "control_steps=80", "--quiet", "--out", tmp_path / "run"]
     with emulated(tmp_path, faults) as (link, calibration, _), driver(link, calibration, namespace="/rig") as said:
-        other = evolve("--start", champions()["peristalsis"], *small)
-        assert other.returncode == 2 and other.stderr.count("\n") == 1 and not (tmp_path / "run").exists(), other.stderr
-        assert "the body 'undulator' has" in other.stderr and "armed" not in said()
+        other = parse(["--rig", "/rig", "--start", str(champions()["peristalsis"]), *map(str, small)])
+        with pytest.raises(PoolError, match=r"peristalsis.yaml: .*the body 'undulator' has .*: give a genome that grows this body"):
+            find_body(other, [])
+        assert "armed" not in said() and not (tmp_path / "run").exists()
         done = evolve("--start", START, *small)
         assert done.returncode == 0 and "Evolving on the body of /rig" in done.stdout, done.stdout + done.stderr
         assert "Audit:    none: it lived on hardware" in done.stdout
-        more = evolve("--resume", tmp_path / "run", "--generations", "3", "--quiet")
+        more = evolve("--resume", tmp_path / "run", "--generations", "2", "--quiet")
         assert more.returncode == 0, more.stdout + more.stderr
     recording = read_recording(tmp_path / "run")
-    assert [s.generation for s in recording.statistics] == [0, 1, 2] and not recording.audits and recording.settings.scheme == "one-body"
+    assert [s.generation for s in recording.statistics] == [0, 1] and not recording.audits and recording.settings.scheme == "one-body"
     assert recording.channels.name == "undulator" and len(recording.channels.x) == recording.body.cells
     assert recording.champions[-1].evaluation.status == 0 and recording.champions[-1].evaluation.metrics.distance > 0.05
     life = life_of(recording)

@@ -211,7 +211,8 @@ def _check_numbers(parser: Parser, given: Any) -> None:
         parser.error(f"--scheduler is given where the backend is {given.backend}: add --backend dask, or leave it out")
     others = [f"--{name}" for name in ("simulators", "threads", "scheduler", "plant") if getattr(given, name)]
     if given.rig is not None and (others or given.backend != "ros"):
-        parser.error(f"{(others or ['--backend'])[0]} is given beside --rig: leave it out, the body of the rig alone evaluates")
+        one = (others or ["--backend"])[0]
+        parser.error(f"{one} is given beside --rig: leave it out, the body of the rig alone evaluates, with actuators of its own")
     if given.rig is not None and not _NAMESPACE.fullmatch(given.rig):
         parser.error(f"--rig is {shown(given.rig)}: give the namespace of a driver, e.g. /eel")
     if given.simulators is not None and given.backend != "ros":

@@ -96,7 +96,7 @@ class Pool:
     def _share(self, work: Work, stop: Callable[[], bool], proofs: Proofs | None) -> bool:
         """Have all that is left evaluated.  Returns: False where `stop()` said to stop."""
         self._looked = time.monotonic()
-        while work.left:
+        while before := work.left:
             if stop():
                 return False
             workers = self._workers()
@@ -108,7 +108,7 @@ class Pool:
                 if one in self._open:  # or else its worker was lost with another one
                     self._take(one, work)
             self._take_verdicts(work)
-            if proofs:
+            if proofs and work.left < before:
                 proofs.begin(self._threads_here)
         return True
 

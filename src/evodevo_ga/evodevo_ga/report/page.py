@@ -24,12 +24,13 @@ from .sections import (
     settings_section,
 )
 from .tables import number, paragraph, table, text
+from .unlike import archive_section
 
 _ALL_FILMS = 3_000_000  # bytes of the numbers of all films of a page
 _OF_ONE = 3  # champions of a single run that are shown
 _SECTIONS: tuple[tuple[str, Callable[[Run], str]], ...] = (
     ("What was run", settings_section), ("Curves", curves_section), ("Gait", gait_section), ("Energy", energy_section),
-    ("Audit", audit_section), ("Descent", descent_section), ("Commands", commands_section),
+    ("Audit", audit_section), ("Archive", archive_section), ("Descent", descent_section), ("Commands", commands_section),
 )
 
 
@@ -46,7 +47,7 @@ def report_page(runs: Sequence[Run], palette: str = "safe", say: Callable[[str],
     for number_, (run, name) in enumerate(zip(runs, names)):
         parts.append(f'<section id="run-{number_}" class="run"><h2>{text(name)}</h2>')
         parts += [paragraph(f"{note}.", "note") for note in run.notes]
-        parts += [f"<h3>{heading}</h3>{make(run)}" for heading, make in _SECTIONS]
+        parts += [f"<h3>{heading}</h3>{made}" for heading, make in _SECTIONS if (made := make(run))]
         parts.append("</section>")
     parts.append("</main>")
     own = Path(__file__).with_name("report.css").read_text(encoding="utf-8")

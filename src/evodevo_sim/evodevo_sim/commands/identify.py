@@ -21,7 +21,7 @@ examples:
   ros2 run evodevo_sim identify bags/eel bags/ray bags/ribbon
       stiffness, damping, drag and lag with which the simulator does what these bodies did
   ros2 run evodevo_sim identify bags/eel bags/ray --others bags/ribbon -o plant.yaml
-      and how far it is then from a body that it was not fitted to; actuators and sensors into a file for emulate
+      and how far it is then from a body that it was not fitted to; actuators and sensors into a file for evolve --plant
   ros2 run evodevo_sim identify bags/eel --fit stiffness lag delay --rig plant.yaml
       these alone; what plant.yaml says of actuators is known
 
@@ -40,7 +40,8 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--rig", metavar="FILE", help="what is known of actuators, and where the fit of lag begins")
     sets = "a number of the model that is known, or where the fit begins, e.g. material.mass=0.8"
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help=sets)
-    parser.add_argument("-o", "--out", type=Path, metavar="FILE.yaml", help="write actuators and sensors, for emulate, evolve; made anew")
+    written = "write actuators and sensors for evolve --plant and emulate, made anew"
+    parser.add_argument("-o", "--out", type=Path, metavar="FILE.yaml", help=written)
     given = parser.parse_args(without_ros(sys.argv[1:] if arguments is None else arguments))
     need_no_graph()
     from ..hardware.rig import RigError
@@ -114,8 +115,9 @@ def _settings(found: Fit) -> list[str]:
 
 
 def _use(found: Fit, out: Path | None) -> str:
-    words = [f"--set {shlex.quote(one)}" for one in _settings(found)] + ([f"--plant {shlex.quote(str(out))}"] if out else [])
-    return f"Use it:   ros2 run evodevo_ga evolve {' '.join(words)}" if words else "Use it:   with -o FILE, by --plant of evolve"
+    plant = [f"--plant {shlex.quote(str(out))}"] if out else []
+    words = plant + [f"--set {shlex.quote(one)}" for one in _settings(found)]
+    return f"Use it:   ros2 run evodevo_ga evolve {' '.join(words)}" if words else "Use it:   with -o FILE, by evolve --plant"
 
 
 def _write(path: Path, found: Fit, rig: Any) -> None:

@@ -19,6 +19,7 @@ from .serial_body import Health, SerialBody
 
 _GIVE_UP = 10.0  # s without a state
 _SPOILT = 0.05  # share of a life in which the body did not do what it was told, from which on that life says nothing
+_MOMENT = 10  # control steps that spoil no life, however short it is
 _LIVES = 3  # that are tried
 _FRESH = 15  # control steps within which a cell must have been seen to count as seen
 
@@ -109,7 +110,7 @@ def _live(animat: Animat, body: SerialBody, stop: Callable[[], bool], show: Call
             return _swim(animat, status, path, 0.0, 0.0), ""
         mean, working = activity(widest, task.full_activity)
         amplitude, active = min(amplitude, mean), min(active, working / task.development.max_cells)
-    spoilt = plant.idle > _SPOILT * task.control_steps
+    spoilt = plant.idle > max(_SPOILT * task.control_steps, _MOMENT)
     return _swim(animat, status, path, amplitude, active), f"the body was not armed for {plant.idle} control steps" if spoilt else ""
 
 

@@ -10,14 +10,16 @@ import numpy as np
 from ..brain.scent import make_signals
 from ..hardware.chain import ActuatorChain
 from ..hardware.rig import Actuators
-from ..parameters import Material, Noise, Scene
+from ..parameters import Material, Noise, Scene, Task
 from ..plant.contract import Outcome
+from ..plant.muscles import actuators_of
 from ..plant.simulated import SwimmingBody, make_body_state
 from .observation import Observation
 
 LISTEN = 1.0  # s, but no more than a quarter of a motion
 _DRAWN = 0.1  # share of the way to where a cell is seen, in a control step
 _NO_HALT = np.zeros(1, np.int64)
+_IDEAL = actuators_of(Task())  # the chain before it has all that actuators do
 
 
 @dataclass(frozen=True)
@@ -55,7 +57,7 @@ def predicted(observation: Observation, model: Model) -> np.ndarray | None:
     count = int(step[-1])
     told = observation.activation[np.minimum(np.searchsorted(step, np.arange(1, count + 1)), len(step) - 1)]
     body = observation.body._replace(inverse_mass=np.full(observation.cells, 1.0 / model.material.mass))
-    state = make_body_state(body, model.material.arguments(), model.scene.arguments(), h, 1.0, True, _NO_HALT)
+    state = make_body_state(body, model.material.arguments(), model.scene.arguments(), h, 1.0, True, _NO_HALT, _IDEAL)
     if state.substeps == 0:
         return None
     state.position[...] = observation.begin().T

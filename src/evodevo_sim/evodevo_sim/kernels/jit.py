@@ -173,7 +173,7 @@ def is_compiled(name: str) -> bool:
     return any(f".{entry}".rpartition("-")[0].endswith(f".{name}") for entry in entries if entry.endswith(SUFFIX))
 
 
-def compiling(name: str, what: str = "simulation kernels", time: str = "about a minute") -> str:
+def compiling(name: str, what: str = "simulation kernels", time: str = "half a minute to a minute") -> str:
     """What to tell a user who waits for a kernel, given as module.function, "" where it is on disk already.
 
     Args: what: is compiled; time: that it takes.

@@ -42,7 +42,7 @@ def draw(sources: Sequence[Shown], sheet: Sheet) -> None:
             draw_pose(axes, life.pose(step), life.springs, life.outline, life.chambers, sheet.palette)
             caption(axes, f"{life.time[step] - life.time[steps[0]]:.2f} s")
             if number == len(steps) - 1:
-                bar(axes, round_length(np.ptp(axes.get_xlim()) / 4))
+                bar(axes, round_length(np.ptp(axes.get_xlim()) / 4), life.position[step])
         top += tall + _ROW
 
 

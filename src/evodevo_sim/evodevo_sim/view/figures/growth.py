@@ -40,5 +40,5 @@ def draw(sources: Sequence[Shown], sheet: Sheet) -> None:
             draw_pose(axes, pose, one.life.growth_springs[step], palette=sheet.palette)
             caption(axes, f"step {step}, {len(pose.position)} cell{'s' * (len(pose.position) > 1)}")
             if number == len(steps) - 1:
-                bar(axes, round_length(np.ptp(axes.get_xlim()) / 4))
+                bar(axes, round_length(np.ptp(axes.get_xlim()) / 4), pose.position)
         top += tall + _ROW

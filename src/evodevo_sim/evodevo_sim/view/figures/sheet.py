@@ -87,10 +87,19 @@ def spot(axes: Axes, at: Any, k: int, letter: str) -> None:
     axes.text(x, y, letter, color="white", fontsize=5, ha="center", va="center_baseline", zorder=9, fontweight="bold")
 
 
-def bar(axes: Axes, metres: float) -> None:
-    """A bar of some metres at the lower right of axes without decoration."""
+def bar(axes: Axes, metres: float, around: np.ndarray | None = None) -> None:
+    """A bar of some metres at the lower right of axes without decoration, or at the first other corner where no cell is in its way.
+
+    Args: around (N, 2) m: centres of cells.
+    """
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    y = bottom + 0.02 * (top - bottom)
-    axes.plot([right - metres, right], [y, y], color=unit_rgb(INK), linewidth=1.2, solid_capstyle="butt", clip_on=False, zorder=9)
-    axes.text(right - metres / 2, y + 0.025 * (top - bottom), f"{metres:g} m", ha="center", va="bottom", fontsize=6)
+    figure, tall = axes.get_figure(), top - bottom
+    assert figure is not None
+    text = tall * 8.0 / (axes.get_window_extent().height * 72.0 / figure.dpi)  # of 6 points, with some room
+    cells, clear = np.empty((0, 2)) if around is None else np.asarray(around), (metres / 2 + 0.6, text / 2 + 0.6)
+    places = [(x, y) for x in (right, left + metres) for y in (bottom + 0.02 * tall, top - text - 0.02 * tall)]
+    free = (at for at in places if not np.any(np.all(np.abs(cells - (at[0] - metres / 2, at[1] + text / 2)) <= clear, axis=1)))
+    right_end, y = next(free, places[0])
+    axes.plot([right_end - metres, right_end], [y, y], color=unit_rgb(INK), linewidth=1.2, solid_capstyle="butt", clip_on=False, zorder=9)
+    axes.text(right_end - metres / 2, y + 0.025 * tall, f"{metres:g} m", ha="center", va="bottom", fontsize=6)
     axes.set(xlim=(left, right), ylim=(bottom, top))

@@ -36,7 +36,7 @@ def draw(sources: Sequence[Shown], sheet: Sheet) -> None:
         body = sheet.axes(left + 2, top + _HEAD - 2, wide - 4, _BODY)
         frame(body, *bounds(life.position[-1]))
         draw_pose(body, life.pose(len(life.time) - 1), life.springs, life.outline, life.chambers, sheet.palette)
-        bar(body, round_length(np.ptp(body.get_xlim()) / 5))
+        bar(body, round_length(np.ptp(body.get_xlim()) / 5), life.position[-1])
         axes = sheet.axes(left + 11, top + _HEAD + _BODY + 1, wide - 15, _PLOT)
         late = seconds >= seconds[-1] - _PERIODS * period_of(life, cells)
         gaps = holes(seconds[late]) + 1

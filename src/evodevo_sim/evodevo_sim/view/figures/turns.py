@@ -60,7 +60,7 @@ def _pair(sheet: Sheet, one: Turning, left: float, top: float, wide: float) -> N
                 axes.text(x, y, "+" if change > 0 else "−", fontsize=size, color=ink, ha="center", va="center", zorder=5)
         axes.set_title(said, fontsize=6.5, fontweight="normal", loc="center", pad=2)
         if side:
-            bar(axes, round_length(np.ptp(axes.get_xlim()) / 4))
+            bar(axes, round_length(np.ptp(axes.get_xlim()) / 4), place)
             scale = sheet.figure.colorbar(discs, cax=sheet.axes(left + wide - 13, top + 6, 2, _TALL - 12))
             scale.outline.set_visible(False)
             scale.ax.tick_params(labelsize=6, width=0.5, length=2)
