@@ -9,7 +9,7 @@ from evodevo_sim.brain.scent import disturb
 from evodevo_sim.live.animat import Animat, NotViable
 from evodevo_sim.parameters import default_task, with_settings
 from evodevo_sim.physics.terrain import make_terrain, touching
-from evodevo_sim.plant.simulated import actuate
+from evodevo_sim.plant.simulated import _actuate_late
 from evodevo_sim.ros.messages import task_from_message, task_message
 from evodevo_sim.tasks.walk.audit import trial
 from evodevo_sim.tasks.walk.fitness import begin, headings, noise, score, start_fitness
@@ -121,7 +121,7 @@ def test_noise_of_muscles_is_each_cells_own_where_no_morphogen_is_shared():
     still, before = np.zeros(len(plant.position)), plant.state.rest.copy()
     signals = noise(with_settings(TASK, {"noise.actuation": 0.1}), 1)
     disturb.py_func(controller.brain, signals, 0)
-    actuate.py_func(plant.state, still, signals)
+    _actuate_late.py_func(plant.state, still, signals, 0)
     assert not still.any() and len(set(plant.state.rest / before)) == before.size
 
 
