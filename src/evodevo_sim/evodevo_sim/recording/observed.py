@@ -12,6 +12,7 @@ from ..identification.observation import Observation, ObservationError, body_of_
 from ..parameters import Task
 from ..ros.drawn import chambers_of
 from ..ros.messages import task_from_message
+from ..ros.topics import BODY, CELL_STATES
 from . import Recording, RecordingError, read_recording
 from .life import last_states
 
@@ -28,7 +29,8 @@ def observation_of(path: str | os.PathLike, say: Callable[[str], None] = lambda 
     name = Path(os.path.realpath(path)).name
     body = recording.body
     if body is None or not recording.states:
-        raise RecordingError(f"{path} lacks {'the topic body' if body is None else 'cell_states'}: record body and cell_states of one life")
+        missing = BODY.name if body is None else CELL_STATES.name
+        raise RecordingError(f"{path} lacks the topic {missing}: record {BODY.name} and {CELL_STATES.name} of one life")
     time, position, activation, step = last_states(recording, body.cells)
     keep = np.isfinite(position).any(axis=(1, 2)) if len(time) else np.empty(0, bool)
     time, position, activation, step = time[keep], position[keep], activation[keep], step[keep]
