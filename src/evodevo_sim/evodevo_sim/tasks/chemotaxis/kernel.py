@@ -128,7 +128,8 @@ def trials(genome, model, finer, tests, signals, track, activations):
         )
     position, velocity, table, past = state.position.copy(), state.velocity.copy(), brain.table.copy(), brain.past.copy()
     strike(state.muscles, model.actuators, signals.random[0])
-    activation, activation_range, held = brain.activation.copy(), np.empty((2, cells)), state.muscles.held.copy()
+    activation, activation_range = brain.activation.copy(), np.empty((2, cells))
+    held, rest = state.muscles.held.copy(), state.rest.copy()
     rules = Rules(model.task.control_step, model.development, model.continual, signals)
     bonus, gains, nearer = model.task.activity_bonus, np.zeros(count), np.zeros(count)
     more = 2.0 * bonus + _most_steered(chemotaxis, placements, gains, nearer, 0)
@@ -154,7 +155,7 @@ def trials(genome, model, finer, tests, signals, track, activations):
                     status, bound = STOPPED, most
                     break
             state.position[:], state.velocity[:], brain.table[:], brain.past[:] = position, velocity, table, past
-            brain.activation[:], state.muscles.held[:] = activation, held
+            brain.activation[:], state.muscles.held[:], state.rest[:] = activation, held, rest
             target = np.array([targets[k, 0], targets[k, 1], chemotaxis.scent_peak, chemotaxis.scent_reach])
             shown = k == tests.shown
             random = np.array([signals.random[0] + np.uint64(k + 1), np.uint64(0)])
