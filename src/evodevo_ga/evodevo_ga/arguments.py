@@ -164,7 +164,7 @@ def parse(arguments: list[str]) -> Options:
     from .usual import law_of, usual_task
 
     try:
-        task = usual_task(given.task)
+        task = usual_task(given.task, given.scheme or "")
         files = [read_genome(_genome_file(Path(place))) for place in given.start]
         task = with_settings(task, law_of(files))
         if given.world is not None:
