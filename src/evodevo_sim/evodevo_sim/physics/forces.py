@@ -190,7 +190,7 @@ def pack(position, velocity, state):
     """Lay the state of each cell side by side, for `accelerate`."""
     x, y, u, v = position[0], position[1], velocity[0], velocity[1]
     for i in range(0, x.size, 4):
-        _put(state, i, load4_within(x, i), load4_within(y, i), load4_within(u, i), load4_within(v, i))
+        put(state, i, load4_within(x, i), load4_within(y, i), load4_within(u, i), load4_within(v, i))
 
 
 @inlined
@@ -203,7 +203,7 @@ def pack_ahead(position, velocity, ahead, before, slower, faster, state):
     for i in range(0, position.shape[1], 4):
         x, u = _ahead(position[0], velocity[0], h, b, slower[0], faster[0], i)
         y, v = _ahead(position[1], velocity[1], h, b, slower[1], faster[1], i)
-        _put(state, i, x, y, u, v)
+        put(state, i, x, y, u, v)
 
 
 @inlined
@@ -213,12 +213,30 @@ def _ahead(position, velocity, h, b, slower, faster, i):
 
 
 @inlined
-def _put(state, i, x, y, u, v):
+def put(state, i, x, y, u, v):
+    """Lay down four cells from the i-th on."""
     a, b, c, d = transpose(x, y, u, v)
     store(state, 4 * i, a)
     store(state, 4 * i + 4, b)
     store(state, 4 * i + 8, c)
     store(state, 4 * i + 12, d)
+
+
+@inlined
+def taken(state, i):
+    """x, y, u, v of four cells from the i-th on."""
+    return transpose(load4(state, 4 * i), load4(state, 4 * i + 4), load4(state, 4 * i + 8), load4(state, 4 * i + 12))
+
+
+@inlined
+def unpack(state, position, velocity):
+    """The way back."""
+    for i in range(0, position.shape[1], 4):
+        x, y, u, v = taken(state, i)
+        store4_within(position[0], i, x)
+        store4_within(position[1], i, y)
+        store4_within(velocity[0], i, u)
+        store4_within(velocity[1], i, v)
 
 
 @lean
@@ -231,6 +249,16 @@ def accelerations(body, law, rest, position, velocity, scratch, out):
 @inlined
 def accelerate(body, law, rest, scratch, out):
     """The same for a state that is packed already."""
+    exert(body, law, rest, scratch)
+    for i in range(0, out.shape[1], 4):
+        x, y = pushed(scratch, i)
+        store4_within(out[0], i, x)
+        store4_within(out[1], i, y)
+
+
+@inlined
+def exert(body, law, rest, scratch):
+    """Fill scratch.force from a packed state."""
     if law.pressure != 0.0:
         _push(body, law, scratch)
     else:
@@ -242,11 +270,15 @@ def accelerate(body, law, rest, scratch, out):
     _pull(law, rest, scratch)
     if law.drag_normal != 0.0 or law.drag_tangential != 0.0:
         _drag(law, scratch)
-    for i in range(0, out.shape[1], 4):
-        one, other = join(load2(force, 4 * i), load2(force, 4 * i + 4)), join(load2(force, 4 * i + 8), load2(force, 4 * i + 12))
-        inverse = load4(scratch.plan.inverse_mass, i)
-        store4_within(out[0], i, evens(one, other) * inverse)
-        store4_within(out[1], i, odds(one, other) * inverse)
+
+
+@inlined
+def pushed(scratch, i):
+    """Accelerations of four cells from the i-th on, by the forces on them: x, y."""
+    force = scratch.force
+    one, other = join(load2(force, 4 * i), load2(force, 4 * i + 4)), join(load2(force, 4 * i + 8), load2(force, 4 * i + 12))
+    inverse = load4(scratch.plan.inverse_mass, i)
+    return evens(one, other) * inverse, odds(one, other) * inverse
 
 
 @inlined
