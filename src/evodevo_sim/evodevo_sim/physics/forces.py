@@ -223,12 +223,29 @@ def pack(position, velocity, state):
 
 @inlined
 def put(state, i, x, y, u, v):
-    """The same of four cells, from the i-th on, as vectors."""
+    """Lay down four cells, from the i-th on."""
     a, b, c, d = transpose(x, y, u, v)
     store(state, 4 * i, a)
     store(state, 4 * i + 4, b)
     store(state, 4 * i + 8, c)
     store(state, 4 * i + 12, d)
+
+
+@inlined
+def taken(state, i):
+    """x, y, u, v of four cells from the i-th on."""
+    return transpose(load4(state, 4 * i), load4(state, 4 * i + 4), load4(state, 4 * i + 8), load4(state, 4 * i + 12))
+
+
+@inlined
+def unpack(state, position, velocity):
+    """The way back."""
+    for i in range(0, position.shape[1], 4):
+        x, y, u, v = taken(state, i)
+        store4_within(position[0], i, x)
+        store4_within(position[1], i, y)
+        store4_within(velocity[0], i, u)
+        store4_within(velocity[1], i, v)
 
 
 @lean
@@ -241,6 +258,16 @@ def accelerations(body, law, rest, position, velocity, scratch, out):
 @inlined
 def accelerate(body, law, rest, scratch, out):
     """The same for a state that is packed already.  Args: rest: (E,) m, or a `Ramp`."""
+    exert(body, law, rest, scratch)
+    for i in range(0, out.shape[1], 4):
+        x, y = pushed(scratch, i)
+        store4_within(out[0], i, x)
+        store4_within(out[1], i, y)
+
+
+@inlined
+def exert(body, law, rest, scratch):
+    """Fill scratch.force from a packed state."""
     if law.pressure != 0.0:
         _push(body, law, scratch)
     else:
@@ -252,11 +279,15 @@ def accelerate(body, law, rest, scratch, out):
     _pull(law, rest, scratch)
     if law.drag_normal != 0.0 or law.drag_tangential != 0.0:
         _drag(law, scratch)
-    for i in range(0, out.shape[1], 4):
-        one, other = join(load2(force, 4 * i), load2(force, 4 * i + 4)), join(load2(force, 4 * i + 8), load2(force, 4 * i + 12))
-        inverse = load4(scratch.plan.inverse_mass, i)
-        store4_within(out[0], i, evens(one, other) * inverse)
-        store4_within(out[1], i, odds(one, other) * inverse)
+
+
+@inlined
+def pushed(scratch, i):
+    """Accelerations of four cells from the i-th on, by the forces on them: x, y."""
+    force = scratch.force
+    one, other = join(load2(force, 4 * i), load2(force, 4 * i + 4)), join(load2(force, 4 * i + 8), load2(force, 4 * i + 12))
+    inverse = load4(scratch.plan.inverse_mass, i)
+    return evens(one, other) * inverse, odds(one, other) * inverse
 
 
 @inlined
