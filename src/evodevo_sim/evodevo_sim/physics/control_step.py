@@ -1,7 +1,7 @@
 """The motion of a body (paper sections 2.3 and 4.2): one control step, and rest.
 
-The one interface: `advance` carries a state (position, velocity) over a control step with rest lengths held, and says whether
-the outcome is sound.  Forces stand in `forces`, what is sound in `soundness`, the choice of steps in `step_size`, other methods
+The one interface: `advance` carries a state (position, velocity) over a control step, in which rest lengths go evenly from
+those before it to those after it, and says whether the outcome is sound.  Forces stand in `forces`, what is sound in `soundness`, the choice of steps in `step_size`, other methods
 and the ground in `integrators`.
 """
 
@@ -14,7 +14,6 @@ from .forces import Ramp, accelerate, accelerations, pack, put, undamped
 from .ladder import MOST_DOUBLINGS, Ladder, again, remember
 from .soundness import SOUND, STABLE_DRAG, UNSTABLE, check, surely_sound
 from .step_size import MOST_SUBSTEPS
-
 
 # J. D. Lawson, "An order five Runge-Kutta process with extended region of stability", SIAM J. Numer. Anal. 3 (1966): six stages, nodes
 # 0, 1/2, 1/4, 1/2, 3/4, 1.  Forces depend on positions at each stage, which are sums of accelerations, too: of the products of its matrix.

@@ -171,8 +171,9 @@ def make_scratch(body):
     state[4 * (filler + 1)], state[4 * (filler + 2) + 1] = 1.0, 1.0  # x of the second cell that fills up, y of the third
     return Scratch(
         position=np.empty(shape), velocity=np.empty(shape), k1=np.empty(shape), k2=np.empty(shape), k3=np.empty(shape), k4=np.empty(shape),
-        k5=np.empty(shape), k6=np.empty(shape), start_position=np.empty(shape), start_velocity=np.empty(shape), start_ledger=np.zeros(4), plan=plan, state=state,
-        inverse_square=np.zeros(plan.start.size), push=np.zeros(outside + 1), force=np.empty(state.size), rate=np.zeros(1),
+        k5=np.empty(shape), k6=np.empty(shape), start_position=np.empty(shape), start_velocity=np.empty(shape),
+        start_ledger=np.zeros(4), plan=plan, state=state, inverse_square=np.zeros(plan.start.size),
+        push=np.zeros(outside + 1), force=np.empty(state.size), rate=np.zeros(1),
     )
 
 
@@ -184,20 +185,22 @@ def set_rest_lengths(body, law, activation, rest):
         rest[e] = (1.0 + muscle_range * (activation[start[e]] + activation[end[e]])) * rest_length[e]
 
 
-def _rest4(rest, e):
+def _rest4(_rest, _e):
     """Rest lengths of four springs, m, from the e-th on: of an array, or on a `Ramp`."""
 
 
 @overload(_rest4)
-def _rest4_of(rest, e):
-    if isinstance(rest, types.Array):
-        return lambda rest, e: load4_within(rest, e)
-    return _rest4_on_the_way
+def _rest4_of(_rest, _e):
+    return _held if isinstance(_rest, types.Array) else _on_the_way
 
 
-def _rest4_on_the_way(rest, e):
-    before = load4_within(rest.before, e)
-    return before + four(rest.share) * (load4_within(rest.after, e) - before)
+def _held(_rest, _e):
+    return load4_within(_rest, _e)
+
+
+def _on_the_way(_rest, _e):
+    before = load4_within(_rest.before, _e)
+    return before + four(_rest.share) * (load4_within(_rest.after, _e) - before)
 
 
 @lean
