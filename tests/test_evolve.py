@@ -12,6 +12,7 @@ from evodevo_ga.arguments import parse
 from evodevo_ga.backends.ros import find_simulators
 from evodevo_ga.in_process import evaluate_all
 from evodevo_ga.settings import UNLIMITED
+from evodevo_ga.usual import usual_task
 from evodevo_sim.parameters import with_settings
 from evodevo_sim.recording import read_recording
 from evodevo_sim.recording.life import life_of
@@ -20,10 +21,10 @@ from evodevo_sim.view.summary import headline, markdown
 from lab import DEADLINE, Operator, simulators
 
 from evodevo_ga import Evolution, Settings, scheme
-from evodevo_sim import Task, evaluate, load_genome
+from evodevo_sim import evaluate, load_genome
 
 SMALL = ["--generations", "4", "--population", "14", "--cells", "8", "--seed", "3", "--set", "control_steps=80"]
-TASK = with_settings(Task(), {"development.max_cells": 8, "control_steps": 80})
+TASK = with_settings(usual_task("swim"), {"development.max_cells": 8, "control_steps": 80})
 
 
 def start(*arguments, out, output=subprocess.PIPE, **popen):

@@ -74,10 +74,13 @@ def test_a_scheme_sets_its_numbers_and_single_settings_go_over_it():
     assert parse(["--scheme", "paper", "--task", "chemotaxis"]).settings.point_mutation == 0.1
 
 
-def test_swimmers_have_an_archive_but_where_the_settings_part_one_population():
+def test_animats_have_an_archive_but_where_the_settings_part_one_population():
     assert parse([]).scheme == parse(["--population", "50"]).scheme == parse(["--layers", "1"]).scheme == "archive"
     assert parse(["--layers", "5"]).scheme == parse(["--niches", "5"]).scheme == "panmictic"
-    assert parse(["--population", "49"]).scheme == parse(["--cells", "4"]).scheme == parse(["--task", "walk"]).scheme == "panmictic"
+    assert parse(["--population", "49"]).scheme == parse(["--cells", "4"]).scheme == "panmictic"
+    assert parse(["--task", "walk"]).scheme == parse(["--task", "chemotaxis"]).scheme == "archive"
+    seeker = ["--task", "chemotaxis", "--start", str(CHAMPIONS / "seeker.yaml")]
+    assert parse(seeker).scheme == "panmictic" and parse([*seeker[2:], "--task", "swim"]).scheme == "archive"
     assert parse(["--tournament", "3"]).settings == Settings(**scheme("archive") | {"tournament": 3})
 
 

@@ -15,6 +15,7 @@ from evodevo_ga.keeping.errors import ResumeError
 from evodevo_ga.keeping.history import TABLES, History
 from evodevo_ga.keeping.limits import Limits
 from evodevo_ga.keeping.resume import resumed
+from evodevo_ga.usual import usual_task
 from evodevo_sim.parameters import with_settings
 from evodevo_sim.recording import read_recording
 from evodevo_sim.recording.life import life_of
@@ -22,11 +23,11 @@ from lab import DEADLINE
 from rosbags.rosbag2 import Reader
 
 from evodevo_ga import Evolution, Settings
-from evodevo_sim import Task, load_genome
+from evodevo_sim import load_genome
 
 GENERATIONS = 24
 SMALL = ["--population", "14", "--cells", "8", "--seed", "3", "--set", "control_steps=80", "--quiet"]
-TASK = with_settings(Task(), {"development.max_cells": 8, "control_steps": 80})
+TASK = with_settings(usual_task("swim"), {"development.max_cells": 8, "control_steps": 80})
 HERE = ("--backend", "local", "--threads", "1")  # where it is not about nodes
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from evodevo_ga.arguments import parse
 from evodevo_ga.feasible import check
+from evodevo_ga.usual import usual_task
 from evodevo_sim.analysis.gait.sources import ground_of_task
 from evodevo_sim.live import Animat
 from evodevo_sim.parameters import default_task, with_settings
@@ -33,7 +34,7 @@ def test_whoever_asks_for_a_task_finds_what_it_needs(name):
         assert callable(kind.function(function))
     check(task, Settings(**scheme(default_scheme(name), name)))
     assert kind.scheme in SCHEMES and set(kind.search) <= set(Settings.__dataclass_fields__)
-    assert parse(["--task", name, "--out", "nowhere"]).task == default_task(name) or name == "walk"
+    assert parse(["--task", name, "--out", "nowhere"]).task == usual_task(name) or name == "walk"
     assert task_from_message(task_message(task)) == task
     assert (ground_of_task(task) is not None) == kind.has_ground
     if kind.has_ground:

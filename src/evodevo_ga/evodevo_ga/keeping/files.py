@@ -73,8 +73,8 @@ def replace_file(path: Path, data: bytes, files: Files = FILES, before: Path | N
             files.sync(descriptor)
         finally:
             files.close(descriptor)
-    except OSError:
-        files.remove(new)  # it may be what fills the disk
+    except (OSError, KeyboardInterrupt):  # it may be what fills the disk, or a person ends the run at once
+        files.remove(new)
         raise
     if before is not None and path.exists():
         files.rename(path, before)
