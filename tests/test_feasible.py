@@ -1,5 +1,7 @@
 """Settings under which nothing could evolve are refused before a run begins, in one line that tells the mend."""
 
+from pathlib import Path
+
 import evodevo_ga.usual as usual_settings
 import numpy as np
 import pytest
@@ -79,7 +81,7 @@ def test_animats_have_an_archive_but_where_the_settings_part_one_population():
     assert parse(["--layers", "5"]).scheme == parse(["--niches", "5"]).scheme == "panmictic"
     assert parse(["--population", "49"]).scheme == parse(["--cells", "4"]).scheme == "panmictic"
     assert parse(["--task", "walk"]).scheme == parse(["--task", "chemotaxis"]).scheme == "archive"
-    seeker = ["--task", "chemotaxis", "--start", str(CHAMPIONS / "seeker.yaml")]
+    seeker = ["--task", "chemotaxis", "--start", str(Path(__file__).resolve().parents[1] / "src/evodevo_sim/champions/seeker.yaml")]
     assert parse(seeker).scheme == "panmictic" and parse([*seeker[2:], "--task", "swim"]).scheme == "archive"
     assert parse(["--tournament", "3"]).settings == Settings(**scheme("archive") | {"tournament": 3})
 
