@@ -1,0 +1,324 @@
+"""Copies of one body that move abreast: each operation of `forces` and of a control step is done for four copies at once, one in each
+lane of a vector.  Nothing has to be gathered or turned around, and each copy has the bits that it has alone.
+
+States, from here on down, are (N, 4, 4) laid out flat: of each cell x of the copies, then y, u, v; accelerations (N, 2, 4).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..kernels.jit import inlined, kernel, seam
+from ..kernels.vectors import (
+    chosen,
+    four,
+    index,
+    lane,
+    load4,
+    load4_within,
+    magnitude,
+    padded4,
+    root,
+    store,
+    store4_within,
+    transpose,
+)
+from .soundness import FARTHEST, FASTEST, SHORTEST, STABLE_DRAG
+
+COPIES = 4
+
+
+class Abreast(NamedTuple):
+    """Four copies of a body: what each is like, and scratch."""
+
+    position: np.ndarray  # (4, 2, N) m
+    velocity: np.ndarray  # (4, 2, N) m/s
+    rest: np.ndarray  # (4, E) m: rest lengths
+    substeps: np.ndarray  # (4,) int64: of the next control step
+    rate: np.ndarray  # (4,) 1/s: of drag, that each has reached
+    sound: np.ndarray  # (4,): 1 for a copy that came through a control step, which the others must do alone; else 0
+    state: np.ndarray  # (16 N,) from here on by cell, spring or chamber, with the copies side by side
+    stage: np.ndarray  # (16 N,)
+    k1: np.ndarray  # (8 N,) m/s^2, as the next three
+    k2: np.ndarray
+    k3: np.ndarray
+    k4: np.ndarray
+    force: np.ndarray  # (8 N,) N
+    lengths: np.ndarray  # (4 E,) m: rest lengths
+    inverse_square: np.ndarray  # (4 E,) 1/m^2
+    push: np.ndarray  # (4 chambers + 4,) N/m, see `forces.Scratch`
+
+
+@kernel
+def make_abreast(body):
+    cells, springs = padded4(body.position.shape[0]), padded4(body.rest_length.size)
+    chambers = body.triangle_area.size + body.polygon_area.size
+    shape = (COPIES, 2, body.position.shape[0])
+    return Abreast(
+        position=np.empty(shape), velocity=np.empty(shape), rest=np.empty((COPIES, body.rest_length.size)),
+        substeps=np.ones(COPIES, np.int64), rate=np.zeros(COPIES), sound=np.zeros(COPIES),
+        state=np.empty(16 * cells), stage=np.empty(16 * cells), k1=np.empty(8 * cells), k2=np.empty(8 * cells), k3=np.empty(8 * cells),
+        k4=np.empty(8 * cells), force=np.empty(8 * cells), lengths=np.empty(4 * springs), inverse_square=np.empty(4 * springs),
+        push=np.zeros(4 * chambers + 4),
+    )
+
+
+@inlined
+def _side_by_side(rows, axis, k, out, place, apart):
+    """Lay columns k to k + 3 of four copies' rows side by side, from a place on, `apart` doubles from each other."""
+    a, b, c, d = transpose(
+        load4_within(rows[0, axis], k), load4_within(rows[1, axis], k), load4_within(rows[2, axis], k), load4_within(rows[3, axis], k)
+    )
+    store(out, place, a)
+    store(out, place + apart, b)
+    store(out, place + 2 * apart, c)
+    store(out, place + 3 * apart, d)
+
+
+@inlined
+def _asunder(values, place, axis, k, sound, rows):
+    """The way back, for copies that are sound."""
+    turned = transpose(load4(values, place), load4(values, place + 16), load4(values, place + 32), load4(values, place + 48))
+    if sound[0]:
+        store4_within(rows[0, axis], k, turned[0])
+    if sound[1]:
+        store4_within(rows[1, axis], k, turned[1])
+    if sound[2]:
+        store4_within(rows[2, axis], k, turned[2])
+    if sound[3]:
+        store4_within(rows[3, axis], k, turned[3])
+
+
+@inlined
+def pack_abreast(abreast):
+    for axis in range(2):
+        for i in range(0, abreast.position.shape[2], 4):
+            _side_by_side(abreast.position, axis, i, abreast.state, 16 * i + 4 * axis, 16)
+            _side_by_side(abreast.velocity, axis, i, abreast.state, 16 * i + 8 + 4 * axis, 16)
+    rest = abreast.rest.reshape(COPIES, 1, abreast.rest.shape[1])
+    for e in range(0, rest.shape[2], 4):
+        _side_by_side(rest, 0, e, abreast.lengths, 4 * e, 4)
+
+
+@inlined
+def _unpack(abreast):
+    for axis in range(2):
+        for i in range(0, abreast.position.shape[2], 4):
+            _asunder(abreast.state, 16 * i + 4 * axis, axis, i, abreast.sound, abreast.position)
+            _asunder(abreast.state, 16 * i + 8 + 4 * axis, axis, i, abreast.sound, abreast.velocity)
+
+
+@inlined
+def _sides(state, triangle, t):
+    """Twice the area of a triangle, as two products, of which the second is to be taken off: see `forces.sides`."""
+    a, b, c = 16 * index(triangle, 3 * t), 16 * index(triangle, 3 * t + 1), 16 * index(triangle, 3 * t + 2)
+    ax, ay = load4(state, a), load4(state, a + 4)
+    bx, by, cx, cy = load4(state, b) - ax, load4(state, b + 4) - ay, load4(state, c) - ax, load4(state, c + 4) - ay
+    return bx * cy, cx * by
+
+
+@inlined
+def _face(state, corner, first, last):
+    """`forces.face_area`"""
+    twice, before = four(0.0), 16 * np.int64(corner[last - 1])
+    ox, oy = load4(state, before), load4(state, before + 4)
+    for k in range(first, last):
+        here = 16 * np.int64(corner[k])
+        one = (load4(state, before) - ox) * (load4(state, here + 4) - oy)
+        twice = twice + (one - (load4(state, here) - ox) * (load4(state, before + 4) - oy))
+        before = here
+    return four(0.5) * twice
+
+
+@inlined
+def _push(body, law, state, push):
+    half, halves, one = four(0.5 * law.pressure), four(0.5), four(1.0)
+    triangle, triangles = body.triangle.reshape(-1), body.triangle_area.size
+    for t in range(triangles):
+        more, less = _sides(state, triangle, t)
+        store(push, 4 * t, half * (one - halves * (more - less) / four(body.triangle_area[t])))
+    corner, start = body.polygon_cell, body.polygon_start
+    for p in range(body.polygon_area.size):
+        area = _face(state, corner, start[p], start[p + 1])
+        store(push, 4 * (triangles + p), half * (one - area / four(body.polygon_area[p])))
+
+
+@inlined
+def _pull(body, law, lengths, state, abreast):
+    push, force, squares = abreast.push, abreast.force, abreast.inverse_square
+    stiffness, damping, one = four(law.stiffness), four(law.damping), four(1.0)
+    for e in range(body.rest_length.size):
+        i, j = index(body.spring_a, e), index(body.spring_b, e)
+        a, b = 16 * i, 16 * j
+        dx, dy = load4(state, b) - load4(state, a), load4(state, b + 4) - load4(state, a + 4)
+        du, dv = load4(state, b + 8) - load4(state, a + 8), load4(state, b + 12) - load4(state, a + 12)
+        inverse = one / root(dx * dx + dy * dy)
+        square = inverse * inverse
+        store(squares, 4 * e, square)
+        pull = stiffness * (one - load4(lengths, 4 * e) * inverse) + damping * square * (du * dx + dv * dy)
+        across = load4(push, 4 * index(body.spring_right, e)) - load4(push, 4 * index(body.spring_left, e))
+        along_x, along_y, across_x, across_y = pull * dx, pull * dy, across * dy, across * dx
+        a, b = 8 * i, 8 * j
+        store(force, a, load4(force, a) + (along_x - across_x))
+        store(force, a + 4, load4(force, a + 4) + (along_y + across_y))
+        store(force, b, load4(force, b) - (along_x + across_x))
+        store(force, b + 4, load4(force, b + 4) - (along_y - across_y))
+
+
+@inlined
+def _drag(body, law, state, abreast):
+    force, squares, outline = abreast.force, abreast.inverse_square, body.outline_spring
+    tangential, normal, half = four(-0.5 * law.drag_tangential), four(-0.5 * law.drag_normal), four(0.5)
+    for m in range(outline.size):
+        e = np.int64(outline[m])
+        i, j = index(body.spring_a, e), index(body.spring_b, e)
+        a, b = 16 * i, 16 * j
+        dx, dy = load4(state, b) - load4(state, a), load4(state, b + 4) - load4(state, a + 4)
+        u, v = load4(state, a + 8) + load4(state, b + 8), load4(state, a + 12) + load4(state, b + 12)
+        u, v, square = half * u, half * v, load4(squares, 4 * e)
+        along, across = u * dx + v * dy, v * dx - u * dy
+        t, n = tangential * square * along * magnitude(along), normal * square * across * magnitude(across)
+        x, y = t * dx - n * dy, t * dy + n * dx
+        a, b = 8 * i, 8 * j
+        store(force, a, load4(force, a) + x)
+        store(force, a + 4, load4(force, a + 4) + y)
+        store(force, b, load4(force, b) + x)
+        store(force, b + 4, load4(force, b + 4) + y)
+
+
+@inlined
+def accelerate_abreast(body, law, lengths, state, abreast, out):
+    """Fill out (8 N,) with the acceleration of every cell of every copy: see `forces.accelerate`."""
+    if law.pressure != 0.0:
+        _push(body, law, state, abreast.push)
+    zero, force = four(0.0), abreast.force
+    if law.pressure == 0.0:
+        for c in range(0, abreast.push.size, 4):
+            store(abreast.push, c, zero)
+    cells = body.inverse_mass.size
+    for i in range(0, 8 * cells, 4):
+        store(force, i, zero)
+    _pull(body, law, lengths, state, abreast)
+    if law.drag_normal != 0.0 or law.drag_tangential != 0.0:
+        _drag(body, law, state, abreast)
+    for i in range(cells):
+        inverse = four(body.inverse_mass[i])
+        store(out, 8 * i, load4(force, 8 * i) * inverse)
+        store(out, 8 * i + 4, load4(force, 8 * i + 4) * inverse)
+
+
+@inlined
+def _ahead(state, ahead, before, slower, faster, stage):
+    """A stage of a Runge-Kutta step: x + ahead (v + before slower), v + ahead faster.  Args: ahead, before: vectors, s."""
+    for i in range(0, slower.size // 8):
+        for axis in range(0, 8, 4):
+            place, k = 16 * i + axis, 8 * i + axis
+            v = load4(state, place + 8)
+            store(stage, place, load4(state, place) + ahead * (v + before * load4(slower, k)))
+            store(stage, place + 8, v + ahead * load4(faster, k))
+
+
+@inlined
+def _runge_kutta(body, law, abreast, h, left):
+    """One step of the classical fourth-order Runge-Kutta method, as `control_step` has it, of copies that have steps left.
+
+    Args: h: vector, s; left: vector, more than 0 for such copies."""
+    k1, k2, k3, k4, state = abreast.k1, abreast.k2, abreast.k3, abreast.k4, abreast.state
+    half, nothing = four(0.5) * h, four(0.0)
+    for stage in range(4):
+        slope, slower, faster, ahead, before, at = k1, k1, k1, half, nothing, state
+        if stage == 1:
+            slope = k2
+        elif stage == 2:
+            slope, faster, before = k3, k2, half
+        elif stage == 3:
+            slope, slower, faster, ahead, before = k4, k2, k3, h, half
+        if stage > 0:
+            at = abreast.stage
+            _ahead(state, ahead, before, slower, faster, at)
+        accelerate_abreast(body, law, abreast.lengths, at, abreast, slope)
+    sixth, double = h / four(6.0), four(2.0)
+    for i in range(body.inverse_mass.size):
+        for axis in range(0, 8, 4):
+            place, k = 16 * i + axis, 8 * i + axis
+            first, second, third, last = load4(k1, k), load4(k2, k), load4(k3, k), load4(k4, k)
+            x, v = load4(state, place), load4(state, place + 8)
+            store(state, place, chosen(left, nothing, x + h * (v + sixth * (first + second + third)), x))
+            store(state, place + 8, chosen(left, nothing, v + sixth * (first + double * (second + third) + last), v))
+
+
+@inlined
+def _surely_sound(body, h, state):
+    """1 for copies that pass `soundness.check`, and 0 for those that do not or nearly do not."""
+    ok, no, over, under = four(1.0), four(0.0), four(FASTEST * body.shortest) / h, h / four(FARTHEST)
+    fastest, farthest, shortest = over * over, under * under, four(SHORTEST)
+    for i in range(body.inverse_mass.size):
+        u, v = load4(state, 16 * i + 8), load4(state, 16 * i + 12)
+        ok = chosen(fastest, u * u + v * v, ok, no)
+    for e in range(body.rest_length.size):
+        a, b = 16 * index(body.spring_a, e), 16 * index(body.spring_b, e)
+        dx, dy = load4(state, b) - load4(state, a), load4(state, b + 4) - load4(state, a + 4)
+        du, dv = load4(state, b + 8) - load4(state, a + 8), load4(state, b + 12) - load4(state, a + 12)
+        least, square = shortest * four(body.rest_length[e]), dx * dx + dy * dy
+        ok = chosen(square, least * least, ok, no)
+        ok = chosen(square, (du * du + dv * dv) * farthest, ok, no)
+    triangle = body.triangle.reshape(-1)
+    for t in range(body.triangle_area.size):
+        more, less = _sides(state, triangle, t)
+        ok = chosen(more, less, ok, no)
+    corner, start = body.polygon_cell, body.polygon_start
+    for p in range(start.size - 1):
+        ok = chosen(_face(state, corner, start[p], start[p + 1]), no, ok, no)
+    return ok
+
+
+@inlined
+def _drag_rate(body, law, state, rate):
+    """`bounds.drag_rate`.  Args: rate (4 N,): scratch."""
+    outline, zero, half = body.outline_spring, four(0.0), four(0.5)
+    tangential, normal, cells = four(law.drag_tangential), four(law.drag_normal), body.inverse_mass.size
+    for i in range(cells):
+        store(rate, 4 * i, zero)
+    for m in range(outline.size):
+        e = np.int64(outline[m])
+        i, j = index(body.spring_a, e), index(body.spring_b, e)
+        a, b = 16 * i, 16 * j
+        dx, dy = load4(state, b) - load4(state, a), load4(state, b + 4) - load4(state, a + 4)
+        u, v = half * (load4(state, a + 8) + load4(state, b + 8)), half * (load4(state, a + 12) + load4(state, b + 12))
+        force = tangential * magnitude(u * dx + v * dy) + normal * magnitude(v * dx - u * dy)
+        store(rate, 4 * i, load4(rate, 4 * i) + force)
+        store(rate, 4 * j, load4(rate, 4 * j) + force)
+    most = zero
+    for i in range(cells):
+        now = load4(rate, 4 * i) * four(body.inverse_mass[i])
+        most = chosen(now, most, now, most)
+    return most
+
+
+@seam
+def advance_abreast(body, law, abreast, control_step):
+    """Carry four copies over a control step, in place, each in its number of substeps: see `control_step.advance`.
+
+    Leaves in `abreast.sound` which of them came through: the bits of those, and their rates of drag, are what `advance` gives; the others
+    are where they were."""
+    substeps = abreast.substeps
+    n0, n1, n2, n3 = substeps[0], substeps[1], substeps[2], substeps[3]
+    steps = four(float(n0), float(n1), float(n2), float(n3))
+    h, zero, state = four(control_step) / steps, four(0.0), abreast.state
+    pack_abreast(abreast)
+    sound = four(1.0)
+    for k in range(max(n0, n1, n2, n3)):
+        left = steps - four(float(k))
+        _runge_kutta(body, law, abreast, h, left)
+        sound = chosen(_surely_sound(body, h, state), zero, sound, zero)
+    rate = zero
+    if law.drag_normal != 0.0 or law.drag_tangential != 0.0:
+        rate = _drag_rate(body, law, state, abreast.k1)
+    sound = chosen(h * rate, four(STABLE_DRAG), zero, sound)
+    store(abreast.sound, 0, sound)
+    for copy in range(COPIES):
+        if abreast.sound[copy]:
+            abreast.rate[copy] = lane(rate, 0) if copy == 0 else lane(rate, 1) if copy == 1 else lane(rate, 2) if copy == 2 else lane(rate, 3)
+    _unpack(abreast)
