@@ -36,9 +36,10 @@ class Abreast(NamedTuple):
     position: np.ndarray  # (4, 2, N) m
     velocity: np.ndarray  # (4, 2, N) m/s
     rest: np.ndarray  # (4, E) m: rest lengths
+    of: np.ndarray  # (4,) int64: the copy that each lane moves: its own; or, where that moves no more, another one, to no purpose
     substeps: np.ndarray  # (4,) int64: of the next control step
     rate: np.ndarray  # (4,) 1/s: of drag, that each has reached
-    sound: np.ndarray  # (4,): 1 for a copy that came through a control step, which the others must do alone; else 0
+    sound: np.ndarray  # (4,): 1 for a copy that came through a control step; 0 for others, which must do it alone, and for lanes without one
     state: np.ndarray  # (16 N,) from here on by cell, spring or chamber, with the copies side by side
     stage: np.ndarray  # (16 N,)
     k1: np.ndarray  # (8 N,) m/s^2, as the next three
@@ -58,7 +59,7 @@ def make_abreast(body):
     shape = (COPIES, 2, body.position.shape[0])
     return Abreast(
         position=np.empty(shape), velocity=np.empty(shape), rest=np.empty((COPIES, body.rest_length.size)),
-        substeps=np.ones(COPIES, np.int64), rate=np.zeros(COPIES), sound=np.zeros(COPIES),
+        of=np.arange(COPIES), substeps=np.ones(COPIES, np.int64), rate=np.zeros(COPIES), sound=np.zeros(COPIES),
         state=np.empty(16 * cells), stage=np.empty(16 * cells), k1=np.empty(8 * cells), k2=np.empty(8 * cells), k3=np.empty(8 * cells),
         k4=np.empty(8 * cells), force=np.empty(8 * cells), lengths=np.empty(4 * springs), inverse_square=np.empty(4 * springs),
         push=np.zeros(4 * chambers + 4),
@@ -66,10 +67,11 @@ def make_abreast(body):
 
 
 @inlined
-def _side_by_side(rows, axis, k, out, place, apart):
+def _side_by_side(rows, of, axis, k, out, place, apart):
     """Lay columns k to k + 3 of four copies' rows side by side, from a place on, `apart` doubles from each other."""
     a, b, c, d = transpose(
-        load4_within(rows[0, axis], k), load4_within(rows[1, axis], k), load4_within(rows[2, axis], k), load4_within(rows[3, axis], k)
+        load4_within(rows[of[0], axis], k), load4_within(rows[of[1], axis], k), load4_within(rows[of[2], axis], k),
+        load4_within(rows[of[3], axis], k),
     )
     store(out, place, a)
     store(out, place + apart, b)
@@ -80,26 +82,27 @@ def _side_by_side(rows, axis, k, out, place, apart):
 @inlined
 def _asunder(values, place, axis, k, sound, rows):
     """The way back, for copies that are sound."""
-    turned = transpose(load4(values, place), load4(values, place + 16), load4(values, place + 32), load4(values, place + 48))
-    if sound[0]:
-        store4_within(rows[0, axis], k, turned[0])
-    if sound[1]:
-        store4_within(rows[1, axis], k, turned[1])
-    if sound[2]:
-        store4_within(rows[2, axis], k, turned[2])
-    if sound[3]:
-        store4_within(rows[3, axis], k, turned[3])
+    a, b, c, d = transpose(load4(values, place), load4(values, place + 16), load4(values, place + 32), load4(values, place + 48))
+    if sound[0] > 0.0:
+        store4_within(rows[0, axis], k, a)
+    if sound[1] > 0.0:
+        store4_within(rows[1, axis], k, b)
+    if sound[2] > 0.0:
+        store4_within(rows[2, axis], k, c)
+    if sound[3] > 0.0:
+        store4_within(rows[3, axis], k, d)
 
 
 @inlined
 def pack_abreast(abreast):
+    of, state = abreast.of, abreast.state
     for axis in range(2):
         for i in range(0, abreast.position.shape[2], 4):
-            _side_by_side(abreast.position, axis, i, abreast.state, 16 * i + 4 * axis, 16)
-            _side_by_side(abreast.velocity, axis, i, abreast.state, 16 * i + 8 + 4 * axis, 16)
+            _side_by_side(abreast.position, of, axis, i, state, 16 * i + 4 * axis, 16)
+            _side_by_side(abreast.velocity, of, axis, i, state, 16 * i + 8 + 4 * axis, 16)
     rest = abreast.rest.reshape(COPIES, 1, abreast.rest.shape[1])
     for e in range(0, rest.shape[2], 4):
-        _side_by_side(rest, 0, e, abreast.lengths, 4 * e, 4)
+        _side_by_side(rest, of, 0, e, abreast.lengths, 4 * e, 4)
 
 
 @inlined
@@ -146,25 +149,33 @@ def _push(body, law, state, push):
 
 
 @inlined
+def _stretch(body, state, e):
+    """Of a spring: dx, dy, length (m), and length times the rate at which it grows (m^2/s)."""
+    a, b = 16 * index(body.spring_a, e), 16 * index(body.spring_b, e)
+    dx, dy = load4(state, b) - load4(state, a), load4(state, b + 4) - load4(state, a + 4)
+    du, dv = load4(state, b + 8) - load4(state, a + 8), load4(state, b + 12) - load4(state, a + 12)
+    return dx, dy, root(dx * dx + dy * dy), du * dx + dv * dy
+
+
+@inlined
 def _pull(body, law, lengths, state, abreast):
     push, force, squares = abreast.push, abreast.force, abreast.inverse_square
-    stiffness, damping, one = four(law.stiffness), four(law.damping), four(1.0)
-    for e in range(body.rest_length.size):
-        i, j = index(body.spring_a, e), index(body.spring_b, e)
-        a, b = 16 * i, 16 * j
-        dx, dy = load4(state, b) - load4(state, a), load4(state, b + 4) - load4(state, a + 4)
-        du, dv = load4(state, b + 8) - load4(state, a + 8), load4(state, b + 12) - load4(state, a + 12)
-        inverse = one / root(dx * dx + dy * dy)
+    stiffness, damping, one, springs = four(law.stiffness), four(law.damping), four(1.0), body.rest_length.size
+    dx, dy, length, growth = _stretch(body, state, 0)
+    for e in range(springs):
+        dx1, dy1, length1, growth1 = _stretch(body, state, min(e + 1, springs - 1))
+        inverse = one / length
         square = inverse * inverse
         store(squares, 4 * e, square)
-        pull = stiffness * (one - load4(lengths, 4 * e) * inverse) + damping * square * (du * dx + dv * dy)
+        pull = stiffness * (one - load4(lengths, 4 * e) * inverse) + damping * square * growth
         across = load4(push, 4 * index(body.spring_right, e)) - load4(push, 4 * index(body.spring_left, e))
         along_x, along_y, across_x, across_y = pull * dx, pull * dy, across * dy, across * dx
-        a, b = 8 * i, 8 * j
+        a, b = 8 * index(body.spring_a, e), 8 * index(body.spring_b, e)
         store(force, a, load4(force, a) + (along_x - across_x))
         store(force, a + 4, load4(force, a + 4) + (along_y + across_y))
         store(force, b, load4(force, b) - (along_x + across_x))
         store(force, b + 4, load4(force, b + 4) - (along_y - across_y))
+        dx, dy, length, growth = dx1, dy1, length1, growth1
 
 
 @inlined
@@ -319,6 +330,14 @@ def advance_abreast(body, law, abreast, control_step):
     sound = chosen(h * rate, four(STABLE_DRAG), zero, sound)
     store(abreast.sound, 0, sound)
     for copy in range(COPIES):
-        if abreast.sound[copy]:
-            abreast.rate[copy] = lane(rate, 0) if copy == 0 else lane(rate, 1) if copy == 1 else lane(rate, 2) if copy == 2 else lane(rate, 3)
+        if abreast.of[copy] != copy:
+            abreast.sound[copy] = 0.0
+    if abreast.sound[0] > 0.0:
+        abreast.rate[0] = lane(rate, 0)
+    if abreast.sound[1] > 0.0:
+        abreast.rate[1] = lane(rate, 1)
+    if abreast.sound[2] > 0.0:
+        abreast.rate[2] = lane(rate, 2)
+    if abreast.sound[3] > 0.0:
+        abreast.rate[3] = lane(rate, 3)
     _unpack(abreast)
