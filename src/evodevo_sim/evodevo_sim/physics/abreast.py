@@ -10,19 +10,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..kernels.jit import inlined, kernel, seam
+from ..kernels.jit import inlined, kernel, lean, seam
 from ..kernels.vectors import (
     chosen,
     four,
     index,
-    lane,
     load4,
     load4_within,
     magnitude,
     padded4,
     root,
     store,
-    store4_within,
     transpose,
 )
 from .soundness import FARTHEST, FASTEST, SHORTEST, STABLE_DRAG
@@ -31,86 +29,94 @@ COPIES = 4
 
 
 class Abreast(NamedTuple):
-    """Four copies of a body: what each is like, and scratch."""
+    """Four copies of a body, and scratch."""
 
-    position: np.ndarray  # (4, 2, N) m
-    velocity: np.ndarray  # (4, 2, N) m/s
-    rest: np.ndarray  # (4, E) m: rest lengths
     of: np.ndarray  # (4,) int64: the copy that each lane moves: its own; or, where that moves no more, another one, to no purpose
     substeps: np.ndarray  # (4,) int64: of the next control step
     rate: np.ndarray  # (4,) 1/s: of drag, that each has reached
-    sound: np.ndarray  # (4,): 1 for a copy that came through a control step; 0 for others, which must do it alone, and for lanes without one
-    state: np.ndarray  # (16 N,) from here on by cell, spring or chamber, with the copies side by side
+    sound: np.ndarray  # (4,): 1 for a copy that came through a control step; 0 for others, which must do it alone, and for idle lanes
+    state: np.ndarray  # (16 N,) of all copies
+    start: np.ndarray  # (16 N,) the same at the start of a control step
     stage: np.ndarray  # (16 N,)
     k1: np.ndarray  # (8 N,) m/s^2, as the next three
     k2: np.ndarray
     k3: np.ndarray
     k4: np.ndarray
-    force: np.ndarray  # (8 N,) N
-    lengths: np.ndarray  # (4 E,) m: rest lengths
+    rest: np.ndarray  # (4 E,) m: rest lengths
     inverse_square: np.ndarray  # (4 E,) 1/m^2
     push: np.ndarray  # (4 chambers + 4,) N/m, see `forces.Scratch`
+    activation: np.ndarray  # (4 N,)
 
 
 @kernel
 def make_abreast(body):
-    cells, springs = padded4(body.position.shape[0]), padded4(body.rest_length.size)
+    cells, springs = padded4(body.position.shape[0]), body.rest_length.size
     chambers = body.triangle_area.size + body.polygon_area.size
-    shape = (COPIES, 2, body.position.shape[0])
     return Abreast(
-        position=np.empty(shape), velocity=np.empty(shape), rest=np.empty((COPIES, body.rest_length.size)),
         of=np.arange(COPIES), substeps=np.ones(COPIES, np.int64), rate=np.zeros(COPIES), sound=np.zeros(COPIES),
-        state=np.empty(16 * cells), stage=np.empty(16 * cells), k1=np.empty(8 * cells), k2=np.empty(8 * cells), k3=np.empty(8 * cells),
-        k4=np.empty(8 * cells), force=np.empty(8 * cells), lengths=np.empty(4 * springs), inverse_square=np.empty(4 * springs),
-        push=np.zeros(4 * chambers + 4),
+        state=np.zeros(16 * cells), start=np.zeros(16 * cells), stage=np.zeros(16 * cells), k1=np.zeros(8 * cells), k2=np.zeros(8 * cells),
+        k3=np.zeros(8 * cells), k4=np.zeros(8 * cells), rest=np.zeros(4 * springs), inverse_square=np.zeros(4 * springs),
+        push=np.zeros(4 * chambers + 4), activation=np.zeros(4 * cells),
     )
 
 
-@inlined
-def _side_by_side(rows, of, axis, k, out, place, apart):
-    """Lay columns k to k + 3 of four copies' rows side by side, from a place on, `apart` doubles from each other."""
-    a, b, c, d = transpose(
-        load4_within(rows[of[0], axis], k), load4_within(rows[of[1], axis], k), load4_within(rows[of[2], axis], k),
-        load4_within(rows[of[3], axis], k),
-    )
-    store(out, place, a)
-    store(out, place + apart, b)
-    store(out, place + 2 * apart, c)
-    store(out, place + 3 * apart, d)
+@lean
+def put_copy(abreast, copy, position, velocity):
+    """Set the state of one copy.  Args: position, velocity (2, N)."""
+    state = abreast.state
+    for i in range(position.shape[1]):
+        state[16 * i + copy], state[16 * i + 4 + copy] = position[0, i], position[1, i]
+        state[16 * i + 8 + copy], state[16 * i + 12 + copy] = velocity[0, i], velocity[1, i]
 
 
-@inlined
-def _asunder(values, place, axis, k, sound, rows):
-    """The way back, for copies that are sound."""
-    a, b, c, d = transpose(load4(values, place), load4(values, place + 16), load4(values, place + 32), load4(values, place + 48))
-    if sound[0] > 0.0:
-        store4_within(rows[0, axis], k, a)
-    if sound[1] > 0.0:
-        store4_within(rows[1, axis], k, b)
-    if sound[2] > 0.0:
-        store4_within(rows[2, axis], k, c)
-    if sound[3] > 0.0:
-        store4_within(rows[3, axis], k, d)
+@lean
+def take_copy(state, copy, position, velocity):
+    """Look at one copy in a state of all.  Args: position, velocity (2, N): filled."""
+    for i in range(position.shape[1]):
+        position[0, i], position[1, i] = state[16 * i + copy], state[16 * i + 4 + copy]
+        velocity[0, i], velocity[1, i] = state[16 * i + 8 + copy], state[16 * i + 12 + copy]
 
 
-@inlined
-def pack_abreast(abreast):
-    of, state = abreast.of, abreast.state
-    for axis in range(2):
-        for i in range(0, abreast.position.shape[2], 4):
-            _side_by_side(abreast.position, of, axis, i, state, 16 * i + 4 * axis, 16)
-            _side_by_side(abreast.velocity, of, axis, i, state, 16 * i + 8 + 4 * axis, 16)
-    rest = abreast.rest.reshape(COPIES, 1, abreast.rest.shape[1])
-    for e in range(0, rest.shape[2], 4):
-        _side_by_side(rest, of, 0, e, abreast.lengths, 4 * e, 4)
+@lean
+def put_rest(abreast, copy, rest):
+    """Set the rest lengths (E,) of one copy."""
+    for e in range(rest.size):
+        abreast.rest[4 * e + copy] = rest[e]
 
 
-@inlined
-def _unpack(abreast):
-    for axis in range(2):
-        for i in range(0, abreast.position.shape[2], 4):
-            _asunder(abreast.state, 16 * i + 4 * axis, axis, i, abreast.sound, abreast.position)
-            _asunder(abreast.state, 16 * i + 8 + 4 * axis, axis, i, abreast.sound, abreast.velocity)
+@lean
+def take_rest(abreast, copy, rest):
+    """Look at the rest lengths of one copy.  Args: rest (E,): filled."""
+    for e in range(rest.size):
+        rest[e] = abreast.rest[4 * e + copy]
+
+
+@lean
+def go_along(abreast, lane, copy):
+    """Let a lane whose own copy moves no more move another one."""
+    abreast.of[lane] = copy
+    for values in (abreast.state, abreast.rest):
+        for i in range(0, values.size, 4):
+            values[i + lane] = values[i + copy]
+
+
+@lean
+def set_rest_abreast(body, law, activation, abreast):
+    """`forces.set_rest_lengths` of all copies.  Args: activation (4, N)."""
+    of, packed = abreast.of, abreast.activation
+    for i in range(0, activation.shape[1], 4):
+        a, b, c, d = transpose(
+            load4_within(activation[of[0]], i), load4_within(activation[of[1]], i), load4_within(activation[of[2]], i),
+            load4_within(activation[of[3]], i),
+        )
+        store(packed, 4 * i, a)
+        store(packed, 4 * i + 4, b)
+        store(packed, 4 * i + 8, c)
+        store(packed, 4 * i + 12, d)
+    one, muscle_range = four(1.0), four(law.muscle_range)
+    for e in range(body.rest_length.size):
+        a, b = load4(packed, 4 * index(body.spring_a, e)), load4(packed, 4 * index(body.spring_b, e))
+        store(abreast.rest, 4 * e, (one + muscle_range * (a + b)) * four(body.rest_length[e]))
 
 
 @inlined
@@ -158,8 +164,8 @@ def _stretch(body, state, e):
 
 
 @inlined
-def _pull(body, law, lengths, state, abreast):
-    push, force, squares = abreast.push, abreast.force, abreast.inverse_square
+def _pull(body, law, state, abreast, force):
+    push, rest, squares = abreast.push, abreast.rest, abreast.inverse_square
     stiffness, damping, one, springs = four(law.stiffness), four(law.damping), four(1.0), body.rest_length.size
     dx, dy, length, growth = _stretch(body, state, 0)
     for e in range(springs):
@@ -167,7 +173,7 @@ def _pull(body, law, lengths, state, abreast):
         inverse = one / length
         square = inverse * inverse
         store(squares, 4 * e, square)
-        pull = stiffness * (one - load4(lengths, 4 * e) * inverse) + damping * square * growth
+        pull = stiffness * (one - load4(rest, 4 * e) * inverse) + damping * square * growth
         across = load4(push, 4 * index(body.spring_right, e)) - load4(push, 4 * index(body.spring_left, e))
         along_x, along_y, across_x, across_y = pull * dx, pull * dy, across * dy, across * dx
         a, b = 8 * index(body.spring_a, e), 8 * index(body.spring_b, e)
@@ -179,8 +185,8 @@ def _pull(body, law, lengths, state, abreast):
 
 
 @inlined
-def _drag(body, law, state, abreast):
-    force, squares, outline = abreast.force, abreast.inverse_square, body.outline_spring
+def _drag(body, law, state, abreast, force):
+    squares, outline = abreast.inverse_square, body.outline_spring
     tangential, normal, half = four(-0.5 * law.drag_tangential), four(-0.5 * law.drag_normal), four(0.5)
     for m in range(outline.size):
         e = np.int64(outline[m])
@@ -200,24 +206,23 @@ def _drag(body, law, state, abreast):
 
 
 @inlined
-def accelerate_abreast(body, law, lengths, state, abreast, out):
+def accelerate_abreast(body, law, state, abreast, out):
     """Fill out (8 N,) with the acceleration of every cell of every copy: see `forces.accelerate`."""
+    zero, cells = four(0.0), body.inverse_mass.size
     if law.pressure != 0.0:
         _push(body, law, state, abreast.push)
-    zero, force = four(0.0), abreast.force
-    if law.pressure == 0.0:
+    else:
         for c in range(0, abreast.push.size, 4):
             store(abreast.push, c, zero)
-    cells = body.inverse_mass.size
     for i in range(0, 8 * cells, 4):
-        store(force, i, zero)
-    _pull(body, law, lengths, state, abreast)
+        store(out, i, zero)
+    _pull(body, law, state, abreast, out)
     if law.drag_normal != 0.0 or law.drag_tangential != 0.0:
-        _drag(body, law, state, abreast)
+        _drag(body, law, state, abreast, out)
     for i in range(cells):
         inverse = four(body.inverse_mass[i])
-        store(out, 8 * i, load4(force, 8 * i) * inverse)
-        store(out, 8 * i + 4, load4(force, 8 * i + 4) * inverse)
+        store(out, 8 * i, load4(out, 8 * i) * inverse)
+        store(out, 8 * i + 4, load4(out, 8 * i + 4) * inverse)
 
 
 @inlined
@@ -249,7 +254,7 @@ def _runge_kutta(body, law, abreast, h, left):
         if stage > 0:
             at = abreast.stage
             _ahead(state, ahead, before, slower, faster, at)
-        accelerate_abreast(body, law, abreast.lengths, at, abreast, slope)
+        accelerate_abreast(body, law, at, abreast, slope)
     sixth, double = h / four(6.0), four(2.0)
     for i in range(body.inverse_mass.size):
         for axis in range(0, 8, 4):
@@ -308,36 +313,33 @@ def _drag_rate(body, law, state, rate):
     return most
 
 
+@lean
+def keep_start(abreast):
+    """Before a control step: no copy has come through it."""
+    store(abreast.sound, 0, four(0.0))
+    for i in range(0, abreast.state.size, 4):
+        store(abreast.start, i, load4(abreast.state, i))
+
+
 @seam
 def advance_abreast(body, law, abreast, control_step):
     """Carry four copies over a control step, in place, each in its number of substeps: see `control_step.advance`.
 
-    Leaves in `abreast.sound` which of them came through: the bits of those, and their rates of drag, are what `advance` gives; the others
-    are where they were."""
-    substeps = abreast.substeps
+    Leaves in `abreast.sound` which of them came through: the bits of those, and their rates of drag, are what `advance` gives; how the
+    others were is left in `abreast.start`."""
+    state, substeps = abreast.state, abreast.substeps
+    keep_start(abreast)
     n0, n1, n2, n3 = substeps[0], substeps[1], substeps[2], substeps[3]
     steps = four(float(n0), float(n1), float(n2), float(n3))
-    h, zero, state = four(control_step) / steps, four(0.0), abreast.state
-    pack_abreast(abreast)
-    sound = four(1.0)
+    h, zero, sound = four(control_step) / steps, four(0.0), four(1.0)
     for k in range(max(n0, n1, n2, n3)):
-        left = steps - four(float(k))
-        _runge_kutta(body, law, abreast, h, left)
+        _runge_kutta(body, law, abreast, h, steps - four(float(k)))
         sound = chosen(_surely_sound(body, h, state), zero, sound, zero)
     rate = zero
     if law.drag_normal != 0.0 or law.drag_tangential != 0.0:
         rate = _drag_rate(body, law, state, abreast.k1)
-    sound = chosen(h * rate, four(STABLE_DRAG), zero, sound)
-    store(abreast.sound, 0, sound)
-    for copy in range(COPIES):
-        if abreast.of[copy] != copy:
-            abreast.sound[copy] = 0.0
-    if abreast.sound[0] > 0.0:
-        abreast.rate[0] = lane(rate, 0)
-    if abreast.sound[1] > 0.0:
-        abreast.rate[1] = lane(rate, 1)
-    if abreast.sound[2] > 0.0:
-        abreast.rate[2] = lane(rate, 2)
-    if abreast.sound[3] > 0.0:
-        abreast.rate[3] = lane(rate, 3)
-    _unpack(abreast)
+    store(abreast.sound, 0, chosen(h * rate, four(STABLE_DRAG), zero, sound))
+    store(abreast.rate, 0, rate)
+    for lane in range(COPIES):
+        if abreast.of[lane] != lane:
+            abreast.sound[lane] = 0.0

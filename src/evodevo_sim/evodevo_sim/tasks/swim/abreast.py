@@ -1,8 +1,8 @@
 """Swims of one animat abreast: towards several targets, from the same birth.  Each has the bits of `kernel.course` alone.
 
-    copies = make_copies(life)                  # at birth
-    begin(copies, life, signals, count)         # as many as are to swim, each with signals of its own
-    courses(life, model, copies, paths)         # their paths; copies.status, copies.step and copies.active tell the rest
+    copies = make_copies(life, eyes)
+    begin(copies, life, count)                  # at birth; their targets and random numbers come next
+    courses(life, model, rules, copies, paths)  # their paths; copies.status, copies.step and copies.active tell the rest
 """
 
 from __future__ import annotations
@@ -11,20 +11,22 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ...brain.abreast import sense_abreast
 from ...brain.brain import Brain
 from ...brain.controller import Rules, brain_rests, brain_step
 from ...brain.eyes import Eyes
-from ...brain.scent import Signals
+from ...brain.scent import Signals, scent_row
 from ...kernels.jit import inlined, kernel, lean, seam
 from ...kernels.lanes import aligned
-from ...physics.abreast import COPIES, Abreast, make_abreast
+from ...physics.abreast import COPIES, Abreast, go_along, make_abreast, put_copy, put_rest, set_rest_abreast, take_copy, take_rest
 from ...physics.bounds import find_drag_rate
 from ...physics.mass import centre_of_mass
 from ...physics.soundness import SOUND
-from ...plant.abreast import copy_of, move_abreast
-from ...plant.simulated import actuate, rests
+from ...plant.abreast import move_abreast
+from ...plant.muscles import Muscles
+from ...plant.simulated import BodyState, actuate, rests
 from ..ends import OK, RESTING, end_of
-from ..life import Life, activity, forget, widen
+from ..life import activity, forget, widen
 from .kernel import LOOK
 
 
@@ -45,6 +47,7 @@ class Copies(NamedTuple):
     status: np.ndarray  # int64: how each swim ended
     step: np.ndarray  # int64: control step that it reached
     active: np.ndarray  # see `swim.Swim`
+    end: np.ndarray  # m: the centre of mass where a swim ended early
 
 
 @kernel
@@ -57,22 +60,44 @@ def make_copies(life, eyes):
         abreast=make_abreast(life.state.body), table=aligned(COPIES * rows, width).reshape(COPIES, rows, width),
         past=np.empty((COPIES, past[0], past[1], past[2])),
         drive=aligned(COPIES * nodes, brain.drive.shape[1]).reshape(COPIES, nodes, brain.drive.shape[1]),
-        activation=np.empty((COPIES, cells)), held=np.empty((COPIES, held.shape[0], held.shape[1])), target=np.empty((COPIES, 4)),
-        random=np.empty((COPIES, 2), np.uint64), seen=np.full((COPIES, seen[0], seen[1]), np.nan),
+        activation=np.empty((COPIES, cells)), held=np.empty((COPIES, held.shape[0], held.shape[1])), target=np.zeros((COPIES, 4)),
+        random=np.zeros((COPIES, 2), np.uint64), seen=np.full((COPIES, seen[0], seen[1]), np.nan),
         activation_range=np.empty((COPIES, 2, cells)), outcome=np.zeros(COPIES, np.int64), status=np.zeros(COPIES, np.int64),
-        step=np.zeros(COPIES, np.int64), active=np.zeros(COPIES),
+        step=np.zeros(COPIES, np.int64), active=np.zeros(COPIES), end=np.zeros((COPIES, 2)),
+    )
+
+
+@kernel
+def begin(copies, life, count):
+    """Let the first few copies be as an animat is now, which has been put back to its birth."""
+    abreast, brain, state = copies.abreast, life.brain, life.state
+    find_drag_rate(state.body, state.law, state.position, state.velocity, state.scratch)
+    copies.seen[:] = np.nan
+    for k in range(COPIES):
+        own = k < count
+        abreast.of[k], copies.status[k] = k if own else 0, OK if own else RESTING
+        copies.step[k], copies.active[k], abreast.rate[k] = 0, 1.0, state.scratch.rate[0]
+        put_copy(abreast, k, state.position, state.velocity)
+        put_rest(abreast, k, state.rest)
+        if own:
+            copies.table[k][:], copies.past[k][:], copies.activation[k][:] = brain.table, brain.past, brain.activation
+            copies.held[k][:] = state.muscles.held
+
+
+@inlined
+def _brain_of(brain, copies, k):
+    return Brain(
+        brain.network, brain.units, copies.table[k], copies.past[k], brain.delay, brain.start, brain.neighbour, brain.born,
+        copies.drive[k], brain.spread, copies.activation[k],
     )
 
 
 @inlined
-def _life_of(life, copies, k):
-    brain = life.brain
-    return Life(
-        Brain(
-            brain.network, brain.units, copies.table[k], copies.past[k], brain.delay, brain.start, brain.neighbour, brain.born,
-            copies.drive[k], brain.spread, copies.activation[k],
-        ),
-        copy_of(life.state, copies.abreast, copies.held, k),
+def _state_of(state, copies, k):
+    """The muscles of a copy in the one body that all take turns to have."""
+    muscles = Muscles(copies.held[k], state.muscles.share, state.muscles.most, state.muscles.resolution)
+    return BodyState(
+        state.body, state.law, state.rest, state.position, state.velocity, state.scratch, state.substeps, state.finer, state.halt, muscles
     )
 
 
@@ -83,64 +108,87 @@ def _rules_of(rules, copies, k):
     return Rules(rules.control_step, rules.development, rules.continual, Signals(copies.target[k], signals.noise, copies.random[k], own))
 
 
-@kernel
-def begin(copies, life, count):
-    """Let the first few copies be as an animat is now, which has been put back to its birth; their targets and random numbers come next."""
-    abreast, brain, state = copies.abreast, life.brain, life.state
-    find_drag_rate(state.body, state.law, state.position, state.velocity, state.scratch)
+@inlined
+def _act(life, step, rules, copies):
+    """The brains of all copies that move, and what their muscles make of it."""
+    brain, state, abreast, signals = life.brain, life.state, copies.abreast, rules.signals
+    clear = not signals.noise.size and not signals.eyes.seen.size
+    if clear:
+        sense_abreast(copies.table, scent_row(brain.units), abreast, copies.target, brain.activation.size)
+    late = copies.held.size or signals.noise.size
     for k in range(COPIES):
-        own = k < count
-        abreast.of[k], copies.status[k] = k if own else 0, OK if own else RESTING
-        copies.step[k], copies.active[k] = 0, 1.0
-        if own:
-            abreast.position[k][:], abreast.velocity[k][:], abreast.rest[k][:] = state.position, state.velocity, state.rest
-            copies.table[k][:], copies.past[k][:], copies.activation[k][:] = brain.table, brain.past, brain.activation
-            copies.held[k][:] = state.muscles.held
-            abreast.rate[k] = state.scratch.rate[0]
+        if copies.status[k] == OK:
+            own, mine = _brain_of(brain, copies, k), _rules_of(rules, copies, k)
+            if clear:
+                brain_step(own, state.position, rules, step)  # it has smelt
+            else:
+                take_copy(abreast.state, k, state.position, state.velocity)
+                brain_step(own, state.position, mine, step)
+            if late:
+                actuate(_state_of(state, copies, k), own.activation, mine.signals, step)
+                put_rest(abreast, k, state.rest)
+    if late:
+        for lane in range(COPIES):
+            if abreast.of[lane] != lane:
+                take_rest(abreast, abreast.of[lane], state.rest)
+                put_rest(abreast, lane, state.rest)
+    else:
+        set_rest_abreast(state.body, state.law, copies.activation, abreast)
 
 
 @lean
-def _end(copies, k, status, step):
-    """A copy moves no more; its lane goes with one that does."""
-    of = copies.abreast.of
-    copies.status[k], copies.step[k], copies.active[k] = status, step, 0.0
+def _look(life, step, rules, copies, k):
+    """Whether a copy moves on after a control step that took it to `step`; if not, how it ended is noted."""
+    state, status, reached = _state_of(life.state, copies, k), OK, step
+    if copies.outcome[k] != SOUND:
+        status, reached = end_of(copies.outcome[k]), step - 1
+    else:
+        widen(copies.activation_range[k], copies.held[k, 0] if copies.held.size else copies.activation[k])
+        brain = _brain_of(life.brain, copies, k)
+        if step % LOOK == 0 and brain_rests(brain, _rules_of(rules, copies, k)):
+            take_rest(copies.abreast, k, state.rest)
+            take_copy(copies.abreast.state, k, state.position, state.velocity)
+            if rests(state, brain.activation, step):
+                status = RESTING
+    if status == OK:
+        return True
+    take_copy(copies.abreast.state, k, state.position, state.velocity)
+    copies.end[k, 0], copies.end[k, 1] = centre_of_mass(state.position, state.body.inverse_mass)
+    copies.status[k], copies.step[k], copies.active[k] = status, reached, 0.0
+    return False
+
+
+@lean
+def _close_up(copies):
+    """Let lanes whose copies move no more go along with one that does."""
     goes = COPIES
-    for other in range(COPIES - 1, -1, -1):
-        if copies.status[other] == OK:
-            goes = other
+    for k in range(COPIES - 1, -1, -1):
+        if copies.status[k] == OK:
+            goes = k
     if goes < COPIES:
         for lane in range(COPIES):
             if copies.status[lane] != OK:
-                of[lane] = goes
+                go_along(copies.abreast, lane, goes)
 
 
 @seam
 def locomote_abreast(life, step, until, rules, copies):
-    """`kernel.locomote` of all copies that move.  Returns: whether any still does."""
-    abreast, moving = copies.abreast, True
-    while step < until and moving:
-        if life.state.halt[0]:
-            return True
-        for k in range(COPIES):
-            if copies.status[k] == OK:
-                own, mine = _life_of(life, copies, k), _rules_of(rules, copies, k)
-                brain_step(own.brain, own.state.position, mine, step)
-                actuate(own.state, own.brain.activation, mine.signals, step)
-        move_abreast(life.state, abreast, rules.control_step, copies.outcome)
+    """`kernel.locomote` of all copies that move, which are left in `copies`; what `life` holds is scratch."""
+    moving = False
+    for k in range(COPIES):
+        moving |= copies.status[k] == OK
+    while step < until and moving and not life.state.halt[0]:
+        _act(life, step, rules, copies)
+        move_abreast(life.state, copies.abreast, rules.control_step, copies.outcome)
         step += 1
-        moving = False
+        moving, ended = False, False
         for k in range(COPIES):
             if copies.status[k] == OK:
-                if copies.outcome[k] != SOUND:
-                    _end(copies, k, end_of(copies.outcome[k]), step - 1)
-                    continue
-                own = _life_of(life, copies, k)
-                widen(copies.activation_range[k], own.state.muscles.held[0] if own.state.muscles.held.size else own.brain.activation)
-                if step % LOOK == 0 and brain_rests(own.brain, _rules_of(rules, copies, k)) and rests(own.state, own.brain.activation, step):
-                    _end(copies, k, RESTING, step)
-                    continue
-                moving = True
-    return moving
+                goes_on = _look(life, step, rules, copies, k)
+                moving |= goes_on
+                ended |= not goes_on
+        if ended:
+            _close_up(copies)
 
 
 @seam
@@ -149,23 +197,21 @@ def courses(life, model, rules, copies, paths):
 
     Args: paths (count, S + 1, 2): as many as were begun with; rules: of all of them; their targets, random numbers and eyes are their own.
     """
-    task, inverse_mass = model.task, life.state.body.inverse_mass
-    count, samples = paths.shape[0], (paths.shape[1] - 1) // task.windows
-    length, position, moving = task.control_steps // task.windows, copies.abreast.position, True
-    for k in range(count):
-        paths[k, 0, 0], paths[k, 0, 1] = centre_of_mass(position[k], inverse_mass)
-    for window in range(task.windows):
-        for k in range(count):
-            forget(copies.activation_range[k])
-        for sample in range(samples):
-            row = window * samples + sample + 1
-            first, until = window * length + length * sample // samples, window * length + length * (sample + 1) // samples
-            if moving:
-                moving = locomote_abreast(life, first, until, rules, copies)
-            for k in range(count):
-                x, y = centre_of_mass(position[k], inverse_mass)
-                paths[k, row, 0], paths[k, row, 1] = x, y
+    task, state = model.task, life.state
+    count, samples, length = paths.shape[0], (paths.shape[1] - 1) // task.windows, task.control_steps // task.windows
+    for row in range(paths.shape[1]):
+        if row > 0:
+            window, sample = (row - 1) // samples, (row - 1) % samples
+            if sample == 0:
+                for k in range(count):
+                    forget(copies.activation_range[k])
+            first = window * length + length * sample // samples
+            locomote_abreast(life, first, window * length + length * (sample + 1) // samples, rules, copies)
         for k in range(count):
             if copies.status[k] == OK:
-                working = activity(copies.activation_range[k], task.full_activity)[1]
-                copies.active[k] = min(copies.active[k], working / model.development.max_cells)
+                take_copy(copies.abreast.state, k, state.position, state.velocity)
+                copies.end[k, 0], copies.end[k, 1] = centre_of_mass(state.position, state.body.inverse_mass)
+                if row > 0 and row % samples == 0:
+                    working = activity(copies.activation_range[k], task.full_activity)[1]
+                    copies.active[k] = min(copies.active[k], working / model.development.max_cells)
+            paths[k, row, 0], paths[k, row, 1] = copies.end[k, 0], copies.end[k, 1]
