@@ -14,7 +14,7 @@ from collections import Counter
 import numpy as np
 from evodevo_sim.parameters import with_settings
 from evodevo_sim.physics.control_step import advance
-from evodevo_sim.physics.forces import make_law, make_scratch, set_rest_lengths
+from evodevo_sim.physics.forces import Ramp, make_law, make_scratch, set_rest_lengths
 from evodevo_sim.physics.soundness import INVERTED, SOUND, UNSTABLE
 from evodevo_sim.physics.step_size import choose_substeps, substeps_in_drag
 from random_bodies import random_body
@@ -43,11 +43,12 @@ def live(body, sign, period, task, steps):
     law = make_law(task.material.arguments(), task.scene.arguments())
     substeps = choose_substeps(body, law, task.control_step)
     position, velocity = body.position.T.copy(), np.zeros(body.position.T.shape)
-    rest, scratch = body.rest_length.copy(), make_scratch(body)
+    rest, before, scratch = body.rest_length.copy(), body.rest_length.copy(), make_scratch(body)
     for k in range(steps):
+        before[:] = rest
         set_rest_lengths(body, law, sign * (1.0 if k // (period // 2) % 2 else -1.0), rest)
         many = FINER * substeps_in_drag(body, law, position, velocity, task.control_step, substeps, scratch)
-        outcome = advance(body, law, rest, position, velocity, task.control_step, many, scratch)
+        outcome = advance(body, law, Ramp(before, rest, 0.0), position, velocity, task.control_step, many, scratch)
         if outcome != SOUND:
             return outcome
     return SOUND

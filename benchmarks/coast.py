@@ -13,7 +13,7 @@ import argparse
 import numpy as np
 from evodevo_sim.parameters import Task
 from evodevo_sim.physics.control_step import advance
-from evodevo_sim.physics.forces import make_law, make_scratch, set_rest_lengths
+from evodevo_sim.physics.forces import Ramp, make_law, make_scratch, set_rest_lengths
 from evodevo_sim.physics.soundness import SOUND
 from evodevo_sim.physics.step_size import choose_substeps, substeps_in_drag
 from evodevo_sim.ros.command_line import pairs
@@ -30,7 +30,7 @@ def coast(performance, task: Task, step: int) -> float:
     start, substeps = position.mean(axis=1), choose_substeps(body, law, task.control_step)
     for _ in range(step, task.control_steps):
         many = substeps_in_drag(body, law, position, velocity, task.control_step, substeps, scratch)
-        if advance(body, law, rest, position, velocity, task.control_step, many, scratch) != SOUND:
+        if advance(body, law, Ramp(rest, rest, 0.0), position, velocity, task.control_step, many, scratch) != SOUND:
             return np.nan
     return float(np.hypot(*(position.mean(axis=1) - start)))
 

@@ -10,10 +10,11 @@ from evodevo_sim.genetics.regulation import exchange, regulate
 from evodevo_sim.kernels.jit import kernel, lean
 from evodevo_sim.physics.bounds import find_drag_rate
 from evodevo_sim.physics.control_step import advance
-from evodevo_sim.physics.forces import accelerations, set_rest_lengths
+from evodevo_sim.physics.forces import Ramp, accelerations
 from evodevo_sim.physics.integrators import State, carry, carry_adaptively, set_muscles
 from evodevo_sim.physics.soundness import judge
 from evodevo_sim.physics.step_size import ADAPTIVE, substeps_at_rate
+from evodevo_sim.plant.simulated import actuate
 from evodevo_sim.tasks.life import Kept
 from evodevo_sim.tasks.swim.kernel import locomote
 
@@ -116,12 +117,13 @@ def live_on(life, steps, seconds, development, continual):
 def mean_substeps(life, steps, seconds, development, continual):
     """Substeps of a control step in a swim from birth, the mean of so many control steps.  No early end, no ladder."""
     total, brain, state = 0, life.brain, life.state
+    signals = Signals(np.empty(0), np.empty(0), np.zeros(2, np.uint64), Eyes(np.empty((0, 0)), 0.0, 0.0, 0.0))
     body, law, scratch = state.body, state.law, state.scratch
     find_drag_rate(body, law, state.position, state.velocity, scratch)
     for step in range(steps):
         think(brain, step, development, continual)
-        set_rest_lengths(body, law, brain.activation, state.rest)
+        actuate(state, brain.activation, signals, step)
         substeps = int(np.ceil(state.finer * substeps_at_rate(seconds, state.substeps, scratch)))
         total += substeps
-        advance(body, law, state.rest, state.position, state.velocity, seconds, substeps, scratch)
+        advance(body, law, Ramp(state.before, state.rest, 0.0), state.position, state.velocity, seconds, substeps, scratch)
     return total / steps

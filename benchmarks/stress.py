@@ -30,7 +30,7 @@ from evodevo_sim.own_body.motion import _FINER
 from evodevo_sim.physics.bounds import bounds
 from evodevo_sim.physics.control_step import advance, relax
 from evodevo_sim.physics.energy import stored_energy
-from evodevo_sim.physics.forces import Law, make_scratch, set_rest_lengths
+from evodevo_sim.physics.forces import Law, Ramp, make_scratch, set_rest_lengths
 from evodevo_sim.physics.integrators import State, carry_adaptively, make_system, make_work
 from evodevo_sim.physics.ladder import MOST_DOUBLINGS, Ladder
 from evodevo_sim.physics.replayed_motion import MOST_STEPS, Frames, Method, carry_soundly, follow
@@ -109,7 +109,9 @@ def _rounding(body, law) -> float:
 
 @numba.njit(error_model="numpy")
 def _swim(body, law, step, substeps, muscle, position, velocity, rest, scratch):
-    """(outcome; energy that was there or that muscles put in and out; energy that came from nowhere), J."""
+    """(outcome; energy that was there or that muscles put in and out; energy that came from nowhere), J.
+
+    Muscles jump, harder than in a life, so that what they do is known exactly."""
     set_rest_lengths(body, law, muscle[0], rest)
     relax(body, law, rest, position, velocity, 1e-3, SETTLE, scratch)
     now = sum(stored_energy(body, law, rest, 0.0, position, velocity))
@@ -119,7 +121,7 @@ def _swim(body, law, step, substeps, muscle, position, velocity, rest, scratch):
         pushed = sum(stored_energy(body, law, rest, 0.0, position, velocity))
         through += abs(pushed - now)
         many = substeps_in_drag(body, law, position, velocity, step, substeps, scratch)
-        outcome = advance(body, law, rest, position, velocity, step, many, scratch)
+        outcome = advance(body, law, Ramp(rest, rest, 0.0), position, velocity, step, many, scratch)
         if outcome != SOUND:
             return outcome, through, created
         now = sum(stored_energy(body, law, rest, 0.0, position, velocity))

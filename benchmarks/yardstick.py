@@ -22,7 +22,7 @@ from evodevo_sim.development.body import build_body
 from evodevo_sim.development.gabriel import adjacency, gabriel_graph
 from evodevo_sim.parameters import with_settings
 from evodevo_sim.physics.control_step import advance, relax
-from evodevo_sim.physics.forces import make_law, make_scratch, set_rest_lengths
+from evodevo_sim.physics.forces import Ramp, make_law, make_scratch, set_rest_lengths
 from evodevo_sim.physics.mass import centre_of_mass
 from evodevo_sim.physics.soundness import SOUND
 from evodevo_sim.physics.step_size import choose_substeps, substeps_in_drag
@@ -56,7 +56,7 @@ def ride(body, material, scene, steps, control_step, gain, phase, period):
     muscle, rest = gain * np.cos(phase), np.empty(body.rest_length.size)
     set_rest_lengths(body, law, muscle, rest)
     relax(body, law, rest, position, velocity, RELAX_TOLERANCE, RELAX_LIMIT, scratch)
-    substeps = choose_substeps(body, law, control_step)
+    substeps, before = choose_substeps(body, law, control_step), rest.copy()
     x0, y0 = centre_of_mass(position, body.inverse_mass)
     xh, yh = x0, y0
     for step in range(steps):
@@ -64,9 +64,10 @@ def ride(body, material, scene, steps, control_step, gain, phase, period):
             xh, yh = centre_of_mass(position, body.inverse_mass)
         for i in range(cells):
             muscle[i] = gain[i] * np.cos(2.0 * np.pi * (step + 1) / period - phase[i])
+        before[:] = rest
         set_rest_lengths(body, law, muscle, rest)
         many = substeps_in_drag(body, law, position, velocity, control_step, substeps, scratch)
-        if advance(body, law, rest, position, velocity, control_step, many, scratch) != SOUND:
+        if advance(body, law, Ramp(before, rest, 0.0), position, velocity, control_step, many, scratch) != SOUND:
             return np.nan, np.nan
     x, y = centre_of_mass(position, body.inverse_mass)
     return np.hypot(x - x0, y - y0), np.hypot(x - xh, y - yh)

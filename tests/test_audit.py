@@ -66,7 +66,7 @@ def test_the_fitness_of_a_sound_genome_stands(genome):
 
 def test_a_fitness_that_changes_more_than_asked_does_not_stand(genome):
     task = with_settings(Task(), {**SHORT, "control_step": 0.05, "material.damping": 0.0})
-    result = audit(genome, task, most_change=1e-6)
+    result = audit(genome, task, most_change=1e-9)
     assert not result.stands and len(result.faults) == 2
     assert result.faults[0].startswith("8 x finer: fitness changes by ")
 
@@ -93,7 +93,7 @@ def test_motion_is_judged_apart_from_the_bonus_for_activity(genome):
 def test_energy_that_nobody_put_in_does_not_stand(genome, monkeypatch):
     import evodevo_sim.tasks.audit
 
-    monkeypatch.setattr(evodevo_sim.tasks.audit, "MOST_GAP", 1e-4)  # of the 4e-3 that RK4 in default steps loses
+    monkeypatch.setattr(evodevo_sim.tasks.audit, "MOST_GAP", 1e-6)  # of the 5e-5 that default steps lose
     result = audit(genome, with_settings(Task(), SHORT))
     assert len(result.faults) == 1 and "of the energy is unexplained" in result.faults[0]
 

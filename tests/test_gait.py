@@ -200,7 +200,7 @@ def test_work_is_that_of_the_ledger(muscle_range):
     genome = pulsing()
     work = work_of(track_of_performance(perform(genome, task), task))
     muscle, drag, damping, _ = audit(genome, task).runs[0].ledger
-    assert work.muscle == pytest.approx(muscle, rel=1e-9)
+    assert work.muscle == pytest.approx(muscle, rel=2e-4)  # of lengths and speeds at frames
     assert work.drag == pytest.approx(drag, rel=0.05) and work.damping == pytest.approx(damping, rel=0.1)
     assert abs(work.rest) < 0.05 * muscle
 

@@ -5,10 +5,10 @@ import pytest
 from bodies import LAW, POLYGON_EDGES, POLYGONS, SQUARE, accelerations_of, body_of, random_body, state_of
 from evodevo_sim.physics.bounds import frequency_bound
 from evodevo_sim.physics.control_step import advance, relax
-from evodevo_sim.physics.forces import Law, accelerations, make_scratch
+from evodevo_sim.physics.forces import Law, Ramp, accelerations, make_scratch
 from evodevo_sim.physics.ladder import MOST_DOUBLINGS
 from evodevo_sim.physics.soundness import INVERTED, SOUND, UNSTABLE
-from evodevo_sim.physics.step_size import ACCURATE_RK4, choose_substeps
+from evodevo_sim.physics.step_size import ACCURATE_REST, choose_substeps
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -139,15 +139,15 @@ def run(body, law, state, seconds, steps, substeps=1):
     position, velocity, rest = (a.copy() for a in state)
     scratch = make_scratch(body)
     for _ in range(steps):
-        assert advance(body, law, rest, position, velocity, seconds / steps, substeps, scratch) == SOUND
+        assert advance(body, law, Ramp(rest, rest, 0.0), position, velocity, seconds / steps, substeps, scratch) == SOUND
     return position, velocity
 
 
 DUMBBELL = [(-0.5, 0.0), (0.5, 0.0)]
 
 
-@pytest.mark.parametrize("damping", [0.0, 3.0])
-def test_two_masses_on_a_spring_swing_as_in_closed_form(damping):
+@pytest.mark.parametrize("damping, order", [(0.0, 6), (3.0, 5)])  # without damping the phase leads the error, of even order
+def test_two_masses_on_a_spring_swing_as_in_closed_form(damping, order):
     body, law, mass = body_of(DUMBBELL, mass=2.0), Law(50.0, damping, 0.0, 0.0, 0.0, 0.2), 2.0
     position, velocity, rest = state_of(body)
     position[0] *= 1.1  # 0.1 too long
@@ -159,17 +159,17 @@ def test_two_masses_on_a_spring_swing_as_in_closed_form(damping):
         p, _ = run(body, law, (position, velocity, rest), seconds, steps)
         errors.append(abs(p[0, 1] - p[0, 0] - 1.0 - exact))
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
-    assert errors[-1] < 1e-6 and orders == pytest.approx([4.0, 4.0], abs=0.2)
+    assert errors[-1] < 1e-9 and orders == pytest.approx([order, order], abs=0.2)
 
 
-def test_a_whole_body_is_integrated_to_fourth_order():
+def test_a_whole_body_is_integrated_to_fifth_order():
     rng = np.random.default_rng(3)
     body = random_body(rng, 16)
     state = state_of(body, rng, 0.03, 0.5)
     law = LAW._replace(drag_normal=0.0, drag_tangential=0.0)  # v |v| is not smooth at 0
     exact, _ = run(body, law, state, 0.2, 20, 64)
     errors = [np.abs(run(body, law, state, 0.2, 20, n)[0] - exact).max() for n in (2, 4, 8)]
-    assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx([4.0, 4.0], abs=0.2)
+    assert np.log2(np.array(errors[:-1]) / errors[1:]) == pytest.approx([5.0, 5.0], abs=0.2)
 
 
 @pytest.mark.parametrize("direction, name", [((1.0, 0.0), "drag_tangential"), ((0.0, 1.0), "drag_normal")])
@@ -219,12 +219,13 @@ def test_the_frequency_bound_is_an_upper_and_a_close_one(seed, cells, pressure):
     true, bound = highest_frequency(body, law), frequency_bound(body, law)
     assert true * (1 - 1e-6) <= bound <= 1.6 * true
     substeps = choose_substeps(body, law, 1 / 60)
-    assert bound / 60 / substeps <= ACCURATE_RK4 < 2.61  # RK4 is stable up to there
+    assert bound / 60 / substeps <= ACCURATE_REST < 3.18  # Lawson's method is stable up to there, where anything damps
 
 
 def outcome_of(body, state, law=LAW, control_step=1 / 60, substeps=1):
     position, velocity, rest = (a.copy() for a in state)
-    return advance(body, law, rest, position, velocity, control_step, substeps, make_scratch(body)), position, velocity
+    ramp = Ramp(rest, rest, 0.0)
+    return advance(body, law, ramp, position, velocity, control_step, substeps, make_scratch(body)), position, velocity
 
 
 @pytest.mark.parametrize("value", [1e6, 1e160, np.inf, np.nan])

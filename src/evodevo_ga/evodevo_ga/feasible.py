@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from evodevo_sim.parameters import setting_of
-from evodevo_sim.physics.step_size import ACCURATE_RK4, MOST_SUBSTEPS
+from evodevo_sim.physics.step_size import ACCURATE_REST, MOST_SUBSTEPS
 
 from evodevo_sim import Genome, ParameterError, Task
 
@@ -56,7 +56,7 @@ def _check_physics(task: Task) -> None:
     m = task.material
     corner = min(math.sqrt(3.0), 2.0 * math.tan(math.pi / max(4, task.development.max_cells)))
     frequency = math.sqrt((2.0 * m.stiffness + corner * m.pressure) / m.mass)
-    need = task.control_step * max(frequency, 2.0 * m.damping / m.mass) / ACCURATE_RK4
+    need = task.control_step * max(frequency, 2.0 * m.damping / m.mass) / ACCURATE_REST
     if need > MOST_SUBSTEPS:
         raise ParameterError(
             f"task.control_step is {task.control_step:g}: give less than {task.control_step * MOST_SUBSTEPS / need:.3g} s, "

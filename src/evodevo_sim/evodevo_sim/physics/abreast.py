@@ -23,6 +23,7 @@ from ..kernels.vectors import (
     store,
     transpose,
 )
+from .control_step import NODES
 from .soundness import FARTHEST, FASTEST, SHORTEST, STABLE_DRAG
 
 COPIES = 4
@@ -38,11 +39,14 @@ class Abreast(NamedTuple):
     state: np.ndarray  # (16 N,) of all copies
     start: np.ndarray  # (16 N,) the same at the start of a control step
     stage: np.ndarray  # (16 N,)
-    k1: np.ndarray  # (8 N,) m/s^2, as the next three
+    k1: np.ndarray  # (8 N,) m/s^2, as the next five
     k2: np.ndarray
     k3: np.ndarray
     k4: np.ndarray
-    rest: np.ndarray  # (4 E,) m: rest lengths
+    k5: np.ndarray
+    k6: np.ndarray
+    before: np.ndarray  # (4 E,) m: rest lengths at the start of a control step
+    rest: np.ndarray  # (4 E,) m: to which they go
     inverse_square: np.ndarray  # (4 E,) 1/m^2
     push: np.ndarray  # (4 chambers + 4,) N/m, see `forces.Scratch`
     activation: np.ndarray  # (4 N,)
@@ -55,7 +59,8 @@ def make_abreast(body):
     return Abreast(
         of=np.arange(COPIES), substeps=np.ones(COPIES, np.int64), rate=np.zeros(COPIES), sound=np.zeros(COPIES),
         state=np.zeros(16 * cells), start=np.zeros(16 * cells), stage=np.zeros(16 * cells), k1=np.zeros(8 * cells), k2=np.zeros(8 * cells),
-        k3=np.zeros(8 * cells), k4=np.zeros(8 * cells), rest=np.zeros(4 * springs), inverse_square=np.zeros(4 * springs),
+        k3=np.zeros(8 * cells), k4=np.zeros(8 * cells), k5=np.zeros(8 * cells), k6=np.zeros(8 * cells), before=np.zeros(4 * springs),
+        rest=np.zeros(4 * springs), inverse_square=np.zeros(4 * springs),
         push=np.zeros(4 * chambers + 4), activation=np.zeros(4 * cells),
     )
 
@@ -85,17 +90,24 @@ def put_rest(abreast, copy, rest):
 
 
 @lean
-def take_rest(abreast, copy, rest):
-    """Look at the rest lengths of one copy.  Args: rest (E,): filled."""
+def take_rest(lengths, copy, rest):
+    """Look at the rest lengths of one copy among those of all.  Args: rest (E,): filled."""
     for e in range(rest.size):
-        rest[e] = abreast.rest[4 * e + copy]
+        rest[e] = lengths[4 * e + copy]
+
+
+@lean
+def set_out(abreast):
+    """Before rest lengths are set: they go from what they are."""
+    for e in range(0, abreast.rest.size, 4):
+        store(abreast.before, e, load4(abreast.rest, e))
 
 
 @lean
 def go_along(abreast, lane, copy):
     """Let a lane whose own copy moves no more move another one."""
     abreast.of[lane] = copy
-    for values in (abreast.state, abreast.rest):
+    for values in (abreast.state, abreast.before, abreast.rest):
         for i in range(0, values.size, 4):
             values[i + lane] = values[i + copy]
 
@@ -164,8 +176,8 @@ def _stretch(body, state, e):
 
 
 @inlined
-def _pull(body, law, state, abreast, force):
-    push, rest, squares = abreast.push, abreast.rest, abreast.inverse_square
+def _pull(body, law, state, share, abreast, force):
+    push, before, after, squares = abreast.push, abreast.before, abreast.rest, abreast.inverse_square
     stiffness, damping, one, springs = four(law.stiffness), four(law.damping), four(1.0), body.rest_length.size
     dx, dy, length, growth = _stretch(body, state, 0)
     for e in range(springs):
@@ -173,7 +185,9 @@ def _pull(body, law, state, abreast, force):
         inverse = one / length
         square = inverse * inverse
         store(squares, 4 * e, square)
-        pull = stiffness * (one - load4(rest, 4 * e) * inverse) + damping * square * growth
+        old = load4(before, 4 * e)
+        rest = old + share * (load4(after, 4 * e) - old)
+        pull = stiffness * (one - rest * inverse) + damping * square * growth
         across = load4(push, 4 * index(body.spring_right, e)) - load4(push, 4 * index(body.spring_left, e))
         along_x, along_y, across_x, across_y = pull * dx, pull * dy, across * dy, across * dx
         a, b = 8 * index(body.spring_a, e), 8 * index(body.spring_b, e)
@@ -206,8 +220,8 @@ def _drag(body, law, state, abreast, force):
 
 
 @inlined
-def accelerate_abreast(body, law, state, abreast, out):
-    """Fill out (8 N,) with the acceleration of every cell of every copy: see `forces.accelerate`."""
+def accelerate_abreast(body, law, state, share, abreast, out):
+    """Fill out (8 N,) with the acceleration of every cell of every copy: see `forces.accelerate`.  Args: share: vector, see `forces.Ramp`."""
     zero, cells = four(0.0), body.inverse_mass.size
     if law.pressure != 0.0:
         _push(body, law, state, abreast.push)
@@ -216,7 +230,7 @@ def accelerate_abreast(body, law, state, abreast, out):
             store(abreast.push, c, zero)
     for i in range(0, 8 * cells, 4):
         store(out, i, zero)
-    _pull(body, law, state, abreast, out)
+    _pull(body, law, state, share, abreast, out)
     if law.drag_normal != 0.0 or law.drag_tangential != 0.0:
         _drag(body, law, state, abreast, out)
     for i in range(cells):
@@ -226,43 +240,76 @@ def accelerate_abreast(body, law, state, abreast, out):
 
 
 @inlined
-def _ahead(state, ahead, before, slower, faster, stage):
-    """A stage of a Runge-Kutta step: x + ahead (v + before slower), v + ahead faster.  Args: ahead, before: vectors, s."""
-    for i in range(0, slower.size // 8):
-        for axis in range(0, 8, 4):
-            place, k = 16 * i + axis, 8 * i + axis
-            v = load4(state, place + 8)
-            store(stage, place, load4(state, place) + ahead * (v + before * load4(slower, k)))
-            store(stage, place + 8, v + ahead * load4(faster, k))
+def _moved(h, stage, abreast, k):
+    """What a stage of Lawson's method adds to x + h c v and to v, of the accelerations so far: see `control_step`."""
+    square, first = h * h, load4(abreast.k1, k)
+    if stage == 1:
+        return four(0.0), h / four(2.0) * first
+    second, three = load4(abreast.k2, k), four(3.0)
+    if stage == 2:
+        return square / four(32.0) * first, h / four(16.0) * (three * first + second)
+    third = load4(abreast.k3, k)
+    if stage == 3:
+        return square / four(32.0) * (three * first + second), h / four(2.0) * third
+    fourth = load4(abreast.k4, k)
+    if stage == 4:
+        return (
+            square * three / four(128.0) * (second - first + four(12.0) * third),
+            h * three / four(16.0) * (four(2.0) * third - second + three * fourth),
+        )
+    return (
+        square / four(56.0) * (four(25.0) * first - four(9.0) * second - four(24.0) * third + four(36.0) * fourth),
+        h / four(7.0) * (first + four(4.0) * second + four(6.0) * third - four(12.0) * fourth + four(8.0) * load4(abreast.k5, k)),
+    )
 
 
 @inlined
-def _runge_kutta(body, law, abreast, h, left):
-    """One step of the classical fourth-order Runge-Kutta method, as `control_step` has it, of copies that have steps left.
+def _ahead(h, stage, abreast):
+    """Lay out the state of a stage."""
+    ahead, state, out = h * four(NODES[stage]), abreast.state, abreast.stage
+    for i in range(abreast.k1.size // 8):
+        for axis in range(0, 8, 4):
+            place = 16 * i + axis
+            v, (moved, faster) = load4(state, place + 8), _moved(h, stage, abreast, 8 * i + axis)
+            store(out, place, load4(state, place) + ahead * v + moved)
+            store(out, place + 8, v + faster)
 
-    Args: h: vector, s; left: vector, more than 0 for such copies."""
-    k1, k2, k3, k4, state = abreast.k1, abreast.k2, abreast.k3, abreast.k4, abreast.state
-    half, nothing = four(0.5) * h, four(0.0)
-    for stage in range(4):
-        slope, slower, faster, ahead, before, at = k1, k1, k1, half, nothing, state
-        if stage == 1:
+
+@inlined
+def _substep(body, law, abreast, h, steps, step):
+    """One step of Lawson's method, as `control_step` has it, of copies that have some left.  Args: h, s, and steps: vectors."""
+    state, stage, share, now = abreast.state, abreast.stage, four(step), four(step) / steps
+    k1, k2, k3, k4, k5, k6 = abreast.k1, abreast.k2, abreast.k3, abreast.k4, abreast.k5, abreast.k6
+    for n in range(6):
+        slope, at = k1, state
+        if n == 1:
             slope = k2
-        elif stage == 2:
-            slope, faster, before = k3, k2, half
-        elif stage == 3:
-            slope, slower, faster, ahead, before = k4, k2, k3, h, half
-        if stage > 0:
-            at = abreast.stage
-            _ahead(state, ahead, before, slower, faster, at)
-        accelerate_abreast(body, law, at, abreast, slope)
-    sixth, double = h / four(6.0), four(2.0)
+            _ahead(h, 1, abreast)
+        elif n == 2:
+            slope = k3
+            _ahead(h, 2, abreast)
+        elif n == 3:
+            slope = k4
+            _ahead(h, 3, abreast)
+        elif n == 4:
+            slope = k5
+            _ahead(h, 4, abreast)
+        elif n == 5:
+            slope = k6
+            _ahead(h, 5, abreast)
+        if n > 0:
+            at = stage
+        accelerate_abreast(body, law, at, now + four(NODES[n]) / steps, abreast, slope)
+    square, part, left = h * h / four(90.0), h / four(90.0), steps
     for i in range(body.inverse_mass.size):
         for axis in range(0, 8, 4):
             place, k = 16 * i + axis, 8 * i + axis
-            first, second, third, last = load4(k1, k), load4(k2, k), load4(k3, k), load4(k4, k)
-            x, v = load4(state, place), load4(state, place + 8)
-            store(state, place, chosen(left, nothing, x + h * (v + sixth * (first + second + third)), x))
-            store(state, place + 8, chosen(left, nothing, v + sixth * (first + double * (second + third) + last), v))
+            x, v, seven, third, fourth = load4(state, place), load4(state, place + 8), four(7.0) * load4(k1, k), load4(k3, k), load4(k4, k)
+            fifth, last = load4(k5, k), four(7.0) * load4(k6, k)
+            after = x + h * v + square * (seven + four(24.0) * third + four(6.0) * fourth + four(8.0) * fifth)
+            faster = v + part * (seven + four(32.0) * third + four(12.0) * fourth + four(32.0) * fifth + last)
+            store(state, place, chosen(left, share, after, x))
+            store(state, place + 8, chosen(left, share, faster, v))
 
 
 @inlined
@@ -333,7 +380,7 @@ def advance_abreast(body, law, abreast, control_step):
     steps = four(float(n0), float(n1), float(n2), float(n3))
     h, zero, sound = four(control_step) / steps, four(0.0), four(1.0)
     for k in range(max(n0, n1, n2, n3)):
-        _runge_kutta(body, law, abreast, h, steps - four(float(k)))
+        _substep(body, law, abreast, h, steps, float(k))
         sound = chosen(_surely_sound(body, h, state), zero, sound, zero)
     rate = zero
     if law.drag_normal != 0.0 or law.drag_tangential != 0.0:

@@ -57,14 +57,18 @@ def least_chamber(body, position):
 
 @lean
 def add_muscle_power(system, t, position, seconds, ledger):
-    """Add `seconds` times the present power of muscles that are driven to a ledger (4,).  Args: as for `add_power`."""
+    """Add `seconds` times the present power of muscles that move to a ledger (4,).  Args: as for `add_power`."""
     body, law = system.body, system.law
-    if system.amplitude.size:
+    driven, going = system.amplitude.size > 0, system.before.size > 0
+    if driven or going:
         x, y, power = position[0], position[1], 0.0
         for e in range(system.rest.size):
             i, j = body.spring_a[e], body.spring_b[e]
             length = np.sqrt((x[j] - x[i]) ** 2 + (y[j] - y[i]) ** 2)
-            speed = law.muscle_range * (_muscle_speed(system, i, t) + _muscle_speed(system, j, t)) * body.rest_length[e]
+            if driven:
+                speed = law.muscle_range * (_muscle_speed(system, i, t) + _muscle_speed(system, j, t)) * body.rest_length[e]
+            else:
+                speed = (system.after[e] - system.before[e]) / system.seconds
             power -= law.stiffness * (length - system.rest[e]) * speed
         ledger[0] += seconds * power
 

@@ -9,6 +9,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numba import types
+from numba.extending import overload
 
 from ..kernels.jit import inlined, kernel, lean
 from ..kernels.vectors import (
@@ -46,6 +48,14 @@ class Law(NamedTuple):
     muscle_range: float  # of its rest length, that a spring grows by for each e - c of 1 at either end: see `set_rest_lengths`
 
 
+class Ramp(NamedTuple):
+    """Rest lengths on their way: they go evenly from one length to another over a control step."""
+
+    before: np.ndarray  # (E,) m, at its start
+    after: np.ndarray  # (E,) m, at its end
+    share: float  # of the step that is over
+
+
 class Plan(NamedTuple):
     """A body in the order in which its forces are computed: springs, triangles and outline filled up to fours with some between three
     cells beyond the last, which lie at the corners of a triangle and never move.
@@ -73,10 +83,12 @@ class Scratch(NamedTuple):
 
     position: np.ndarray  # (2, N) m
     velocity: np.ndarray  # (2, N) m/s
-    k1: np.ndarray  # (2, N) m/s^2, as the next three
+    k1: np.ndarray  # (2, N) m/s^2, as the next five
     k2: np.ndarray
     k3: np.ndarray
     k4: np.ndarray
+    k5: np.ndarray
+    k6: np.ndarray
     start_position: np.ndarray  # (2, N) m: at the start of an interval, see `ladder`
     start_velocity: np.ndarray  # (2, N) m/s
     start_ledger: np.ndarray  # (4,) J
@@ -159,7 +171,7 @@ def make_scratch(body):
     state[4 * (filler + 1)], state[4 * (filler + 2) + 1] = 1.0, 1.0  # x of the second cell that fills up, y of the third
     return Scratch(
         position=np.empty(shape), velocity=np.empty(shape), k1=np.empty(shape), k2=np.empty(shape), k3=np.empty(shape), k4=np.empty(shape),
-        start_position=np.empty(shape), start_velocity=np.empty(shape), start_ledger=np.zeros(4), plan=plan, state=state,
+        k5=np.empty(shape), k6=np.empty(shape), start_position=np.empty(shape), start_velocity=np.empty(shape), start_ledger=np.zeros(4), plan=plan, state=state,
         inverse_square=np.zeros(plan.start.size), push=np.zeros(outside + 1), force=np.empty(state.size), rate=np.zeros(1),
     )
 
@@ -170,6 +182,22 @@ def set_rest_lengths(body, law, activation, rest):
     start, end, rest_length, muscle_range = body.spring_a, body.spring_b, body.rest_length, law.muscle_range
     for e in range(rest.size):
         rest[e] = (1.0 + muscle_range * (activation[start[e]] + activation[end[e]])) * rest_length[e]
+
+
+def _rest4(rest, e):
+    """Rest lengths of four springs, m, from the e-th on: of an array, or on a `Ramp`."""
+
+
+@overload(_rest4)
+def _rest4_of(rest, e):
+    if isinstance(rest, types.Array):
+        return lambda rest, e: load4_within(rest, e)
+    return _rest4_on_the_way
+
+
+def _rest4_on_the_way(rest, e):
+    before = load4_within(rest.before, e)
+    return before + four(rest.share) * (load4_within(rest.after, e) - before)
 
 
 @lean
@@ -190,30 +218,12 @@ def pack(position, velocity, state):
     """Lay the state of each cell side by side, for `accelerate`."""
     x, y, u, v = position[0], position[1], velocity[0], velocity[1]
     for i in range(0, x.size, 4):
-        _put(state, i, load4_within(x, i), load4_within(y, i), load4_within(u, i), load4_within(v, i))
+        put(state, i, load4_within(x, i), load4_within(y, i), load4_within(u, i), load4_within(v, i))
 
 
 @inlined
-def pack_ahead(position, velocity, ahead, before, slower, faster, state):
-    """The same for a stage of a Runge-Kutta step: x + ahead (v + before slower), v + ahead faster.
-
-    Args: ahead, before: s; slower, faster (2, N): accelerations.
-    """
-    h, b = four(ahead), four(before)
-    for i in range(0, position.shape[1], 4):
-        x, u = _ahead(position[0], velocity[0], h, b, slower[0], faster[0], i)
-        y, v = _ahead(position[1], velocity[1], h, b, slower[1], faster[1], i)
-        _put(state, i, x, y, u, v)
-
-
-@inlined
-def _ahead(position, velocity, h, b, slower, faster, i):
-    v = load4_within(velocity, i)
-    return load4_within(position, i) + h * (v + b * load4_within(slower, i)), v + h * load4_within(faster, i)
-
-
-@inlined
-def _put(state, i, x, y, u, v):
+def put(state, i, x, y, u, v):
+    """The same of four cells, from the i-th on, as vectors."""
     a, b, c, d = transpose(x, y, u, v)
     store(state, 4 * i, a)
     store(state, 4 * i + 4, b)
@@ -230,7 +240,7 @@ def accelerations(body, law, rest, position, velocity, scratch, out):
 
 @inlined
 def accelerate(body, law, rest, scratch, out):
-    """The same for a state that is packed already."""
+    """The same for a state that is packed already.  Args: rest: (E,) m, or a `Ramp`."""
     if law.pressure != 0.0:
         _push(body, law, scratch)
     else:
@@ -338,12 +348,12 @@ def _pull(law, rest, scratch):
     start, end = plan.start, plan.end
     stiffness, damping, one = four(law.stiffness), four(law.damping), four(1.0)
     dx0, dy0, length0, growth0 = _stretch(state, start, end, 0)
-    for e in range(0, rest.size, 4):
+    for e in range(0, start.size - 4, 4):
         dx1, dy1, length1, growth1 = _stretch(state, start, end, e + 4)
         inverse = one / length0
         square = inverse * inverse
         store(scratch.inverse_square, e, square)
-        pull = stiffness * (one - load4_within(rest, e) * inverse) + damping * square * growth0
+        pull = stiffness * (one - _rest4(rest, e) * inverse) + damping * square * growth0
         across = _numbers(push, plan.right, e) - _numbers(push, plan.left, e)
         along_x, along_y, across_x, across_y = pull * dx0, pull * dy0, across * dy0, across * dx0
         x, y = along_x - across_x, along_y + across_y

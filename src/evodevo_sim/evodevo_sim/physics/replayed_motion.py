@@ -21,7 +21,7 @@ MOST_STEPS = 100_000  # in a frame, before they are doubled; and in one that is 
 class Method(NamedTuple):
     """How a motion is integrated."""
 
-    kind: int  # EULER, VERLET, RK4 or ADAPTIVE
+    kind: int  # EULER, VERLET, RK4, ADAPTIVE or LAWSON
     steps: int  # see `follow` and `repeat`
     finer: float  # times as many, rounded up
     tolerance: float  # of an adaptive step, m and m/s
@@ -97,15 +97,12 @@ def repeat(system, method, control_step, activation, state, work, path):
     count = activation.shape[0] - 1
     length = count // (path.shape[0] - 1)
     h, least, outcome = control_step / 16.0, 1.0, SOUND
-    set_rest_lengths(body, law, activation[0], system.rest)
-    begin = stored_energy(body, law, system.rest, 0.0, position, velocity)
+    set_rest_lengths(body, law, activation[0], system.after)
+    begin = stored_energy(body, law, system.after, 0.0, position, velocity)
     path[:, 0], path[:, 1] = centre_of_mass(position, body.inverse_mass)
     for k in range(count):
-        before = stored_energy(body, law, system.rest, 0.0, position, velocity)
-        set_rest_lengths(body, law, activation[k + 1], system.rest)
-        after = stored_energy(body, law, system.rest, 0.0, position, velocity)
-        if ledger.size:
-            ledger[0] += after[1] - before[1]  # muscles do their work at once, at the start of a control step
+        system.before[:] = system.after
+        set_rest_lengths(body, law, activation[k + 1], system.after)
         if method.kind == ADAPTIVE:
             outcome, h, _ = carry_adaptively(system, 0.0, control_step, method.tolerance, h, state, work)
             if outcome == SOUND:
@@ -119,7 +116,7 @@ def repeat(system, method, control_step, activation, state, work, path):
         if (k + 1) % length == 0:
             window = (k + 1) // length
             path[window:, 0], path[window:, 1] = centre_of_mass(position, body.inverse_mass)
-    end = stored_energy(body, law, system.rest, 0.0, position, velocity)
+    end = stored_energy(body, law, system.after, 0.0, position, velocity)
     gain = 0.0
     for part in range(4):
         gain += end[part] - begin[part]

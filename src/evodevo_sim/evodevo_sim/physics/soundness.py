@@ -6,11 +6,12 @@ from ..kernels.jit import inlined, lean
 from ..kernels.vectors import all_at_most, all_below, four, load4_within, transpose
 from .bounds import drag_rate
 from .forces import face_area, pack, sides, span
-from .step_size import RK4
+from .step_size import LAWSON, RK4
 
 SOUND, UNSTABLE, INVERTED = range(3)
-STABLE_DRAG = 2.6  # h * (rate of drag) after a substep, up to which RK4 does not overshoot
-_MOST_DRAG = 1.0  # the same, that steps of Euler and Verlet may reach which were chosen before a body sped up; RK4: STABLE_DRAG
+STABLE_DRAG = 4.5  # h * (rate of drag) after a substep, up to which Lawson's method does not overshoot
+_MOST_DRAG_RK4 = 2.6  # the same of RK4
+_MOST_DRAG = 1.0  # the same, that steps of Euler and Verlet may reach which were chosen before a body sped up
 FASTEST = 0.5  # of the shortest rest length, that a cell may move in a substep
 SHORTEST = 0.05  # of its rest length, that a spring may shrink to
 FARTHEST = 1.0  # of its present length, that its ends may move against each other in a substep: beyond, energy comes from nowhere
@@ -84,7 +85,7 @@ def is_sound(system, method, position, velocity, h, work):
     """`check` in the frame of the mean velocity, how fast a body travels is no fault; and drag that steps of h can bear."""
     law = system.law
     if law.drag_normal != 0.0 or law.drag_tangential != 0.0:
-        most = STABLE_DRAG if method == RK4 else _MOST_DRAG
+        most = STABLE_DRAG if method == LAWSON else _MOST_DRAG_RK4 if method == RK4 else _MOST_DRAG
         if not h * drag_rate(system.body, law, position, velocity, work.scratch.k1[0]) <= most:
             return UNSTABLE
     cells, own = position.shape[1], work.scratch.velocity

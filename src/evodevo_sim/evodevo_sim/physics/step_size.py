@@ -1,6 +1,6 @@
 """How many steps an interval takes: all policies that choose them, from the upper bounds in `bounds`.
 
-    choose_substeps, substeps_at_rate    a swimmer's control step by RK4: at rest, then by the drag that it has come to
+    choose_substeps, substeps_at_rate    a swimmer's control step by Lawson's method: at rest, then by the drag that it has come to
     choose_walk_steps                    a walker's control step by symplectic Euler
     choose_steps                         any interval by any method, for bodies of one's own
     ladder                               (a module) twice as many, where an interval came out unsound
@@ -18,14 +18,14 @@ from ..kernels.jit import kernel, lean
 from .bounds import bounds, damping_bound, drag_rate, find_drag_rate, frequency_bound
 
 INTEGRATORS = ("euler", "verlet", "rk4", "adaptive")
-EULER, VERLET, RK4, ADAPTIVE = range(4)
+EULER, VERLET, RK4, ADAPTIVE, LAWSON = range(5)  # the last is that of swimmers, see `control_step`
 
-# RK4 is stable to h * rate = 2.6 and more.  Its errors are small to 1.5 in the body's own frequency and damping, at rest, and to 1.6
-# in the rate of drag, which grows with speed.  Both at once are too much for one substep: beyond 0.6 in drag it takes two, which
-# follow the body twice as closely (docs/reference/model.md).
-ACCURATE_RK4 = 1.5
-ACCURATE_DRAG = 1.6
-_LONE_DRAG = 0.6
+# Lawson's method is stable to h * rate = 5.6 in pure damping, and to 3.2 where a damped body turns.  Its errors are small to 1.5 in the
+# body's own frequency and damping, at rest, and to 3.2 in the rate of drag, which grows with speed (docs/reference/model.md).
+ACCURATE_REST = 1.5
+ACCURATE_DRAG = 3.2
+_UNDAMPED = 0.3  # h * frequency up to which what nothing damps does not grow in a life: by 6e-4 (h w)^6 a step
+_DAMPED = 100.0  # (h w)^4 h / (damping over stiffness) up to which springs damp more than that, a quarter of the most on springs alone
 MOST_SUBSTEPS = 1000  # in a control step; a body that needs more would keep everybody waiting for hours
 ACCURATE_EULER = 1.6  # h * (bound of the highest frequency), of a walker
 LEAST_EULER = 4  # steps of a walker in a control step, for contact
@@ -38,9 +38,14 @@ _LEAST = (4, 4, 1)  # steps an interval, for accuracy where the body is soft
 
 @kernel
 def choose_substeps(body, law, control_step):
-    """Substeps of RK4 in a control step that a body takes at rest, by its bounds of frequency and damping."""
-    fastest = max(frequency_bound(body, law), damping_bound(body, law))
-    return max(1, int(np.ceil(min(control_step * fastest / ACCURATE_RK4, 1e9))))
+    """Substeps of Lawson's method in a control step that a body takes at rest, by its bounds of frequency and damping."""
+    frequency, damping = frequency_bound(body, law), damping_bound(body, law)
+    need = control_step * max(frequency, damping) / ACCURATE_REST
+    calm = control_step * frequency / _UNDAMPED
+    if law.damping > 0.0:
+        springs = law.damping / (law.stiffness + law.pressure)
+        calm = min(calm, (frequency**4 * control_step**5 / (_DAMPED * springs)) ** 0.2)
+    return max(1, int(np.ceil(min(max(need, calm), 1e9))))
 
 
 @lean
@@ -53,8 +58,7 @@ def substeps_in_drag(body, law, position, velocity, control_step, substeps, scra
 @lean
 def substeps_at_rate(control_step, substeps, scratch):
     """The same for a rate of drag that scratch holds already."""
-    drag = control_step * scratch.rate[0]
-    need = max(drag / ACCURATE_DRAG, 2.0 if drag > _LONE_DRAG else 1.0)
+    need = control_step * scratch.rate[0] / ACCURATE_DRAG
     if need > substeps:
         return int(np.ceil(min(need, MOST_SUBSTEPS)))
     return substeps

@@ -7,6 +7,7 @@ import numpy as np
 from ..kernels.jit import lean
 from ..physics.abreast import COPIES, advance_abreast, keep_start, put_copy, take_copy, take_rest
 from ..physics.control_step import advance
+from ..physics.forces import Ramp
 from ..physics.soundness import SOUND
 from ..physics.step_size import substeps_at_rate
 
@@ -31,7 +32,9 @@ def move_abreast(state, abreast, seconds, outcomes):
         outcomes[lane] = SOUND
         if of[lane] == lane and not abreast.sound[lane] > 0.0:
             take_copy(abreast.start, lane, state.position, state.velocity)
-            take_rest(abreast, lane, state.rest)
-            outcomes[lane] = advance(state.body, state.law, state.rest, state.position, state.velocity, seconds, substeps[lane], scratch)
+            take_rest(abreast.before, lane, state.before)
+            take_rest(abreast.rest, lane, state.rest)
+            ramp = Ramp(state.before, state.rest, 0.0)
+            outcomes[lane] = advance(state.body, state.law, ramp, state.position, state.velocity, seconds, substeps[lane], scratch)
             abreast.rate[lane] = scratch.rate[0]
             put_copy(abreast, lane, state.position, state.velocity)

@@ -37,6 +37,7 @@ def make_grounded_state(state, scene, terrain, control_step, finer, moves, ledge
     system = System(
         body=state.body, law=state.law, gravity=scene.gravity, friction=scene.friction, ground=True, terrain=terrain, amplitude=none,
         frequency=none, phase=none, muscle=none, rest=state.rest,
+        before=none, after=none, seconds=control_step,
     )
     work = Work(state.scratch, np.empty((0, 2, cells)), np.empty((1, 2, cells)), np.zeros(4))
     steps = int(np.ceil(finer * choose_walk_steps(system, control_step))) if moves else 0

@@ -12,7 +12,7 @@ from ..development.body import Body
 from ..kernels.jit import kernel, lean, seam
 from ..physics.bounds import find_drag_rate
 from ..physics.control_step import advance, relax
-from ..physics.forces import Law, Scratch, accelerations, make_law, make_scratch, set_rest_lengths
+from ..physics.forces import Law, Ramp, Scratch, accelerations, make_law, make_scratch, set_rest_lengths
 from ..physics.step_size import MOST_SUBSTEPS, choose_substeps, substeps_at_rate
 from .contract import Outcome
 from .muscles import Muscles, follow, hold, make_muscles, steady
@@ -27,11 +27,12 @@ class BodyState(NamedTuple):
 
     body: Body
     law: Law
-    rest: np.ndarray  # (E,) m, rest lengths
+    rest: np.ndarray  # (E,) m, rest lengths that the muscles go to, and hold when they are there
+    before: np.ndarray  # (E,) m, those that they come from in this control step
     position: np.ndarray  # (2, N) m
     velocity: np.ndarray  # (2, N) m/s
     scratch: Scratch
-    substeps: int  # of RK4 in a control step at rest; 0 where there is no body to move, or it needs more than MOST_SUBSTEPS
+    substeps: int  # of Lawson's method in a control step at rest; 0 where there is no body to move, or it needs more than MOST_SUBSTEPS
     finer: float  # times as many, rounded up, for an audit
     halt: np.ndarray  # (1,) int64: where not 0, nobody waits for its life any more, which then ends at once, wherever it is
     muscles: Muscles
@@ -45,7 +46,7 @@ def make_body_state(body, material, scene, control_step, finer, moves, halt, act
     law = make_law(material, scene)
     substeps = choose_substeps(body, law, control_step) if moves else 0
     return BodyState(
-        body, law, np.empty(body.rest_length.size), body.position.T.copy(), np.zeros((2, body.position.shape[0])), make_scratch(body),
+        body, law, np.empty(body.rest_length.size), np.empty(body.rest_length.size), body.position.T.copy(), np.zeros((2, body.position.shape[0])), make_scratch(body),
         substeps if substeps <= MOST_SUBSTEPS else 0, finer, halt, make_muscles(actuators, body.position.shape[0]),
     )
 
@@ -62,7 +63,10 @@ def come_to_shape(state, activation):
 
 @lean
 def actuate(state, activation, signals, step):
-    """Set rest lengths by the activation (N,) asked for in a control step, equation (1); see `_actuate_late` where a muscle has another."""
+    """Set the rest lengths that a control step goes to by the activation (N,) asked for, equation (1); see `_actuate_late` where a muscle
+    has another."""
+    for e in range(state.rest.size):
+        state.before[e] = state.rest[e]
     if state.muscles.held.size or signals.noise.size:
         _actuate_late(state, activation, signals, step)
     else:
@@ -86,7 +90,8 @@ def _actuate_late(state, activation, signals, step):
 def move(state, seconds):
     """Carry a swimming body over a control step.  Returns: SOUND, or what was wrong.  `physics.bounds.find_drag_rate` comes first."""
     substeps = int(np.ceil(state.finer * substeps_at_rate(seconds, state.substeps, state.scratch)))
-    return advance(state.body, state.law, state.rest, state.position, state.velocity, seconds, substeps, state.scratch)
+    ramp = Ramp(state.before, state.rest, 0.0)
+    return advance(state.body, state.law, ramp, state.position, state.velocity, seconds, substeps, state.scratch)
 
 
 @lean

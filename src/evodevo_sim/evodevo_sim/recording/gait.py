@@ -30,7 +30,7 @@ def track_of_recording(recording: Recording, life: Life, walks: bool = False) ->
     return Track(
         (life.time - life.time[0])[part], life.position[part], life.activation[part], springs=life.springs, outline=life.outline,
         chambers=tuple(life.chambers), velocity=None if life.velocity is None else life.velocity[part],
-        world=world_of_task(task) if task else world_of_scene(life.scene), ground=ground, **known,
+        world=world_of_task(task) if task else world_of_scene(life.scene), ground=ground, held=ground is not None, **known,
     )
 
 

@@ -23,7 +23,7 @@ from ..parameters import ParameterError, Task, known_kind
 from ..physics.forces import make_law
 from ..physics.integrators import State, make_system, make_work
 from ..physics.replayed_motion import Method, repeat
-from ..physics.step_size import ADAPTIVE, RK4
+from ..physics.step_size import ADAPTIVE, LAWSON
 from ..task_kinds import names
 from .evaluation import Evaluation, perform
 from .repetition import Run, Way
@@ -79,8 +79,8 @@ def ways_of(quick: bool) -> tuple[Way, ...]:
     """How the life of a swimmer is repeated."""
     finer, tolerance = (QUICK_FINER, QUICK_TOLERANCE) if quick else (FINER, TOLERANCE)
     return (
-        Way("as evolved", RK4, 1.0, 0.0, True, False),
-        Way(f"{finer:g} x finer", RK4, finer, 0.0, not quick, not quick),
+        Way("as evolved", LAWSON, 1.0, 0.0, True, False),
+        Way(f"{finer:g} x finer", LAWSON, finer, 0.0, not quick, not quick),
         Way("order 5, adaptive", ADAPTIVE, 1.0, tolerance, not quick, False),
     )
 
@@ -104,7 +104,7 @@ def prepare(task: Task = Task(), say: Callable[[str], None] = print) -> None:
     body = build_body(position, edges, start, neighbour, task.material.mass)
     system = make_system(body, make_law(task.material.arguments(), task.scene.arguments()))
     state = State(body.position.T.copy(), np.zeros((2, 3)), np.zeros(0))
-    repeat(system, Method(RK4, 1, 1.0, 0.0), task.control_step, np.zeros((3, 3)), state, make_work(body), np.zeros((3, 2)))
+    repeat(system, Method(LAWSON, 1, 1.0, 0.0), task.control_step, np.zeros((3, 3)), state, make_work(body), np.zeros((3, 2)))
 
 
 def _faults(runs: Sequence[Run], most_change: float):

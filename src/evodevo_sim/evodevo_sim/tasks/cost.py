@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..parameters import Task
-from ..physics.step_size import ACCURATE_RK4, MOST_SUBSTEPS
+from ..physics.step_size import ACCURATE_REST, MOST_SUBSTEPS
 from .memory import units_and_morphogens
 
 # ns of one core, of a processor that is not new; docs/reference/limits.md tells how they were measured.
@@ -47,4 +47,4 @@ def _substeps(task: Task) -> float:
     """Steps of physics in a control step of a body with as many springs at each cell as fit."""
     m = task.material
     fastest = max(math.sqrt((12.0 * m.stiffness + 6.0 * m.pressure) / m.mass), 12.0 * m.damping / m.mass)
-    return min(max(1.0, task.control_step * fastest / ACCURATE_RK4), MOST_SUBSTEPS)
+    return min(max(1.0, task.control_step * fastest / ACCURATE_REST), MOST_SUBSTEPS)

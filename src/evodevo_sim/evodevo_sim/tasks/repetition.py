@@ -60,6 +60,8 @@ def repeat_motion(body: Any, task: Task, substeps: int, start: np.ndarray, activ
     Args: substeps: at rest; start (N, 2) m; activation (T + 1, N); points: of the path, after the start.
     """
     system = make_system(body, make_law(task.material.arguments(), task.scene.arguments()))
+    lengths = system.rest.copy(), system.rest.copy()
+    system = system._replace(before=lengths[0], after=lengths[1], seconds=task.control_step)
     ledger, path = np.zeros(4 if way.ledger else 0), np.zeros((points + 1, 2))
     state = State(np.ascontiguousarray(start.T), np.zeros((2, len(start))), ledger)
     method = Method(way.method, substeps, way.finer, way.tolerance)

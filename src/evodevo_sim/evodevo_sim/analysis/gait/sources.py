@@ -51,7 +51,7 @@ def track_of_performance(performance: Performance, task: Task = Task(), ground: 
         raise GaitError(f"nothing moved: {performance.evaluation.cause or 'the egg never divided'}: give a genome that lives")
     return Track(
         performance.time, performance.position, performance.activation, velocity=performance.velocity, world=world_of_task(task),
-        ground=ground or ground_of_task(task), **parts_of_body(performance.body),
+        ground=ground or ground_of_task(task), held=task.has_ground, **parts_of_body(performance.body),
     )
 
 

@@ -39,7 +39,7 @@ class Track:
         springs (E, 2): cells; rest_length (E,) m at zero activation, or empty; outline (M, 2): cells; chambers: arrays of
             cells, counter-clockwise; chamber_area: m^2 at rest, of each, or empty.
         velocity (T, N, 2) m/s, or None: then it follows from positions.
-        held: whether muscles hold over a frame and change at its end, as those that a network drives do, or go on smoothly.
+        held: whether muscles hold over a frame and change at its end, as a walker's do, or go on their way between frames.
         world: see `Surroundings`; ground: of a walker, or None: a swimmer.
     """
 

@@ -37,10 +37,14 @@ def work_of(track: Track) -> Work:
     length = np.hypot(along[..., 0], along[..., 1])
     rest = (1.0 + w.muscle_range * (track.activation[:, a] + track.activation[:, b])) * track.rest_length
     velocity = track.speeds()
-    # Held muscles do their work at once, at the start of a control step.
-    then = length[:-1] if track.held else 0.5 * (length[:-1] + length[1:])
-    muscle = 0.5 * w.stiffness * ((then - rest[1:]) ** 2 - (then - rest[:-1]) ** 2).sum()
     rate = ((velocity[:, b] - velocity[:, a]) * along).sum(axis=-1) / length
+    # Muscles that do their work at once do it at the start of a control step; others on the way, by the mean length of the cubic
+    # through lengths and speeds.
+    then = length[:-1]
+    if not track.held:
+        seconds = np.diff(track.time)[:, None]
+        then = 0.5 * (length[:-1] + length[1:]) + seconds / 12.0 * (rate[:-1] - rate[1:])
+    muscle = 0.5 * w.stiffness * ((then - rest[1:]) ** 2 - (then - rest[:-1]) ** 2).sum()
     damping = -np.trapezoid(w.damping * (rate**2).sum(axis=1), track.time)
     stored = _stored(track, length[[0, -1]], rest[[0, -1]], velocity[[0, -1]])
     drag = np.trapezoid(_drag_power(track, velocity), track.time)

@@ -130,7 +130,8 @@ def trials(genome, model, finer, tests, signals, track, activations):
         )
     position, velocity, table, past = state.position.copy(), state.velocity.copy(), brain.table.copy(), brain.past.copy()
     strike(state.muscles, model.actuators, signals.random[0])
-    activation, activation_range, held = brain.activation.copy(), np.empty((2, cells)), state.muscles.held.copy()
+    activation, activation_range = brain.activation.copy(), np.empty((2, cells))
+    held, rest = state.muscles.held.copy(), state.rest.copy()
     rules = Rules(model.task.control_step, model.development, model.continual, signals)
     bonus, gains, nearer = model.task.activity_bonus, np.zeros(count), np.zeros(count)
     more = 2.0 * bonus + _most_steered(chemotaxis, placements, gains, nearer, 0)
@@ -160,7 +161,7 @@ def trials(genome, model, finer, tests, signals, track, activations):
             if k >= done:
                 together = min(count - k, COPIES) if track.size == 0 else 1
                 state.position[:], state.velocity[:], brain.table[:], brain.past[:] = position, velocity, table, past
-                brain.activation[:], state.muscles.held[:] = activation, held
+                brain.activation[:], state.muscles.held[:], state.rest[:] = activation, held, rest
                 begin(copies, life, together)
                 for lane in range(together):
                     x, y = targets[k + lane]

@@ -18,7 +18,7 @@ from ...brain.eyes import Eyes
 from ...brain.scent import Signals, scent_row
 from ...kernels.jit import inlined, kernel, lean, seam
 from ...kernels.lanes import aligned
-from ...physics.abreast import COPIES, Abreast, go_along, make_abreast, put_copy, put_rest, set_rest_abreast, take_copy, take_rest
+from ...physics.abreast import COPIES, Abreast, go_along, make_abreast, put_copy, put_rest, set_out, set_rest_abreast, take_copy, take_rest
 from ...physics.bounds import find_drag_rate
 from ...physics.mass import centre_of_mass
 from ...physics.soundness import SOUND
@@ -97,7 +97,7 @@ def _state_of(state, copies, k):
     """The muscles of a copy in the one body that all take turns to have."""
     muscles = Muscles(copies.held[k], state.muscles.share, state.muscles.most, state.muscles.resolution)
     return BodyState(
-        state.body, state.law, state.rest, state.position, state.velocity, state.scratch, state.substeps, state.finer, state.halt, muscles
+        state.body, state.law, state.rest, state.before, state.position, state.velocity, state.scratch, state.substeps, state.finer, state.halt, muscles
     )
 
 
@@ -116,6 +116,7 @@ def _act(life, step, rules, copies):
     if clear:
         sense_abreast(copies.table, scent_row(brain.units), abreast, copies.target, brain.activation.size)
     late = copies.held.size or signals.noise.size
+    set_out(abreast)
     for k in range(COPIES):
         if copies.status[k] == OK:
             own, mine = _brain_of(brain, copies, k), _rules_of(rules, copies, k)
@@ -130,41 +131,33 @@ def _act(life, step, rules, copies):
     if late:
         for lane in range(COPIES):
             if abreast.of[lane] != lane:
-                take_rest(abreast, abreast.of[lane], state.rest)
+                take_rest(abreast.rest, abreast.of[lane], state.rest)
                 put_rest(abreast, lane, state.rest)
     else:
         set_rest_abreast(state.body, state.law, copies.activation, abreast)
 
 
-@lean
-def _look(life, step, rules, copies, k):
-    """Whether a copy moves on after a control step that took it to `step`; if not, how it ended is noted."""
-    state, status, reached = _state_of(life.state, copies, k), OK, step
-    if copies.outcome[k] != SOUND:
-        status, reached = end_of(copies.outcome[k]), step - 1
-    else:
-        widen(copies.activation_range[k], copies.held[k, 0] if copies.held.size else copies.activation[k])
-        brain = _brain_of(life.brain, copies, k)
-        if step % LOOK == 0 and brain_rests(brain, _rules_of(rules, copies, k)):
-            take_rest(copies.abreast, k, state.rest)
-            take_copy(copies.abreast.state, k, state.position, state.velocity)
-            if rests(state, brain.activation, step):
-                status = RESTING
-    if status == OK:
-        return True
+@seam
+def _rests(life, step, rules, copies, k):
+    """Whether nothing of a copy will ever change again: see `kernel.locomote`."""
+    state, brain = _state_of(life.state, copies, k), _brain_of(life.brain, copies, k)
+    if not brain_rests(brain, _rules_of(rules, copies, k)):
+        return False
+    take_rest(copies.abreast.rest, k, state.rest)
+    take_copy(copies.abreast.state, k, state.position, state.velocity)
+    return rests(state, brain.activation, step)
+
+
+@seam
+def _end(life, status, step, copies, k):
+    """A copy moves no more: how it ended is noted, and lanes like its own go along with one that still moves."""
+    state, goes = life.state, COPIES
     take_copy(copies.abreast.state, k, state.position, state.velocity)
     copies.end[k, 0], copies.end[k, 1] = centre_of_mass(state.position, state.body.inverse_mass)
-    copies.status[k], copies.step[k], copies.active[k] = status, reached, 0.0
-    return False
-
-
-@lean
-def _close_up(copies):
-    """Let lanes whose copies move no more go along with one that does."""
-    goes = COPIES
-    for k in range(COPIES - 1, -1, -1):
-        if copies.status[k] == OK:
-            goes = k
+    copies.status[k], copies.step[k], copies.active[k] = status, step, 0.0
+    for lane in range(COPIES - 1, -1, -1):
+        if copies.status[lane] == OK:
+            goes = lane
     if goes < COPIES:
         for lane in range(COPIES):
             if copies.status[lane] != OK:
@@ -174,21 +167,24 @@ def _close_up(copies):
 @seam
 def locomote_abreast(life, step, until, rules, copies):
     """`kernel.locomote` of all copies that move, which are left in `copies`; what `life` holds is scratch."""
-    moving = False
+    status, outcome, late, moving = copies.status, copies.outcome, copies.held.size > 0, 0
     for k in range(COPIES):
-        moving |= copies.status[k] == OK
+        moving += status[k] == OK
     while step < until and moving and not life.state.halt[0]:
         _act(life, step, rules, copies)
-        move_abreast(life.state, copies.abreast, rules.control_step, copies.outcome)
+        move_abreast(life.state, copies.abreast, rules.control_step, outcome)
         step += 1
-        moving, ended = False, False
         for k in range(COPIES):
-            if copies.status[k] == OK:
-                goes_on = _look(life, step, rules, copies, k)
-                moving |= goes_on
-                ended |= not goes_on
-        if ended:
-            _close_up(copies)
+            if status[k] != OK:
+                continue
+            if outcome[k] != SOUND:
+                _end(life, end_of(outcome[k]), step - 1, copies, k)
+                moving -= 1
+                continue
+            widen(copies.activation_range[k], copies.held[k, 0] if late else copies.activation[k])
+            if step % LOOK == 0 and _rests(life, step, rules, copies, k):
+                _end(life, RESTING, step, copies, k)
+                moving -= 1
 
 
 @seam
