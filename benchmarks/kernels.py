@@ -113,7 +113,7 @@ def live_on(life, steps, seconds, development, continual):
     return status, rested
 
 
-@lean
+@kernel
 def mean_substeps(life, steps, seconds, development, continual):
     """Substeps of a control step in a swim from birth, the mean of so many control steps.  No early end, no ladder."""
     total, brain, state = 0, life.brain, life.state

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from evodevo_sim.genetics.genome_file import UNSAID, GenomeFile
 from evodevo_sim.parameters import Task, default_task, preset, with_settings
 
-GROWTH = ""  # the preset by which bodies of runs grow where nobody says; empty: the default law of the model
+GROWTH = "contact_inhibition"  # the preset by which bodies of runs grow where nobody says; empty: the default law of the model
 
 
 def usual_task(name: str) -> Task:

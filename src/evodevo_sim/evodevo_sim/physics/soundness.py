@@ -9,7 +9,7 @@ from .forces import face_area, pack, sides, span
 from .step_size import LAWSON, RK4
 
 SOUND, UNSTABLE, INVERTED = range(3)
-STABLE_DRAG = 4.5  # h * (rate of drag) after a substep, up to which Lawson's method does not overshoot
+STABLE_DRAG = 5.6  # h * (rate of drag) after a substep, up to which Lawson's method does not overshoot
 _MOST_DRAG_RK4 = 2.6  # the same of RK4
 _MOST_DRAG = 1.0  # the same, that steps of Euler and Verlet may reach which were chosen before a body sped up
 FASTEST = 0.5  # of the shortest rest length, that a cell may move in a substep

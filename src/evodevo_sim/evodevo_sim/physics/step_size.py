@@ -21,9 +21,9 @@ INTEGRATORS = ("euler", "verlet", "rk4", "adaptive")
 EULER, VERLET, RK4, ADAPTIVE, LAWSON = range(5)  # the last is that of swimmers, see `control_step`
 
 # Lawson's method is stable to h * rate = 5.6 in pure damping, and to 3.2 where a damped body turns.  Its errors are small to 1.5 in the
-# body's own frequency and damping, at rest, and to 3.2 in the rate of drag, which grows with speed (docs/reference/model.md).
+# body's own frequency and damping, at rest, and to 4.8 in the bound of the rate of drag, which grows with speed (docs/reference/model.md).
 ACCURATE_REST = 1.5
-ACCURATE_DRAG = 3.2
+ACCURATE_DRAG = 4.8
 _UNDAMPED = 0.3  # h * frequency up to which what nothing damps does not grow in a life: by 6e-4 (h w)^6 a step
 _DAMPED = 100.0  # (h w)^4 h / (damping over stiffness) up to which springs damp more than that, a quarter of the most on springs alone
 MOST_SUBSTEPS = 1000  # in a control step; a body that needs more would keep everybody waiting for hours

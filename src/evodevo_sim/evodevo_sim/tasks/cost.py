@@ -13,7 +13,7 @@ from .memory import units_and_morphogens
 
 # ns of one core, of a processor that is not new; docs/reference/limits.md tells how they were measured.
 _CELL = 160.0  # a cell in a control step: its part of growth, network and senses
-_SUBSTEP = 60.0  # the same in a step of physics
+_SUBSTEP = 80.0  # the same in a step of physics
 _WEIGHT = 0.12  # a weight of the network, in each cell and step
 _DELAYED = 2.0  # variant A: a morphogen that goes from a cell to another, in each step
 
