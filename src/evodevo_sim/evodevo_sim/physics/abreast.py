@@ -220,57 +220,55 @@ def _drag(body, law, state, abreast, force):
 
 
 @inlined
-def accelerate_abreast(body, law, state, share, abreast, out):
-    """Fill out (8 N,) with the acceleration of every cell of every copy: see `forces.accelerate`.  Args: share: vector, see `forces.Ramp`."""
-    zero, cells = four(0.0), body.inverse_mass.size
+def force_abreast(body, law, state, share, abreast, force):
+    """Add the force on every cell of every copy to force (8 N,): see `forces.accelerate`.  Args: share: vector, see `forces.Ramp`."""
     if law.pressure != 0.0:
         _push(body, law, state, abreast.push)
     else:
         for c in range(0, abreast.push.size, 4):
-            store(abreast.push, c, zero)
-    for i in range(0, 8 * cells, 4):
-        store(out, i, zero)
-    _pull(body, law, state, share, abreast, out)
+            store(abreast.push, c, four(0.0))
+    _pull(body, law, state, share, abreast, force)
     if law.drag_normal != 0.0 or law.drag_tangential != 0.0:
-        _drag(body, law, state, abreast, out)
-    for i in range(cells):
-        inverse = four(body.inverse_mass[i])
-        store(out, 8 * i, load4(out, 8 * i) * inverse)
-        store(out, 8 * i + 4, load4(out, 8 * i + 4) * inverse)
+        _drag(body, law, state, abreast, force)
 
 
 @inlined
-def _moved(h, stage, abreast, k):
-    """What a stage of Lawson's method adds to x + h c v and to v, of the accelerations so far: see `control_step`."""
-    square, first = h * h, load4(abreast.k1, k)
+def _moved(h, stage, abreast, k, now):
+    """What a stage of Lawson's method adds to x + h c v and to v, of the accelerations so far, the last one `now`: see `control_step`."""
+    square, three = h * h, four(3.0)
     if stage == 1:
-        return four(0.0), h / four(2.0) * first
-    second, three = load4(abreast.k2, k), four(3.0)
+        return four(0.0), h / four(2.0) * now
+    first = load4(abreast.k1, k)
     if stage == 2:
-        return square / four(32.0) * first, h / four(16.0) * (three * first + second)
-    third = load4(abreast.k3, k)
+        return square / four(32.0) * first, h / four(16.0) * (three * first + now)
+    second = load4(abreast.k2, k)
     if stage == 3:
-        return square / four(32.0) * (three * first + second), h / four(2.0) * third
-    fourth = load4(abreast.k4, k)
+        return square / four(32.0) * (three * first + second), h / four(2.0) * now
+    third = load4(abreast.k3, k)
     if stage == 4:
         return (
             square * three / four(128.0) * (second - first + four(12.0) * third),
-            h * three / four(16.0) * (four(2.0) * third - second + three * fourth),
+            h * three / four(16.0) * (four(2.0) * third - second + three * now),
         )
+    fourth = load4(abreast.k4, k)
     return (
         square / four(56.0) * (four(25.0) * first - four(9.0) * second - four(24.0) * third + four(36.0) * fourth),
-        h / four(7.0) * (first + four(4.0) * second + four(6.0) * third - four(12.0) * fourth + four(8.0) * load4(abreast.k5, k)),
+        h / four(7.0) * (first + four(4.0) * second + four(6.0) * third - four(12.0) * fourth + four(8.0) * now),
     )
 
 
 @inlined
-def _ahead(h, stage, abreast):
-    """Lay out the state of a stage."""
-    ahead, state, out = h * four(NODES[stage]), abreast.state, abreast.stage
-    for i in range(abreast.k1.size // 8):
+def _ahead(body, h, stage, abreast, slope, following):
+    """Lay out the state of a stage.  Args: slope: forces of the one before, which become accelerations; following: emptied for its own."""
+    ahead, state, out, zero = h * four(NODES[stage]), abreast.state, abreast.stage, four(0.0)
+    for i in range(body.inverse_mass.size):
+        inverse = four(body.inverse_mass[i])
         for axis in range(0, 8, 4):
-            place = 16 * i + axis
-            v, (moved, faster) = load4(state, place + 8), _moved(h, stage, abreast, 8 * i + axis)
+            place, k = 16 * i + axis, 8 * i + axis
+            now = load4(slope, k) * inverse
+            v, (moved, faster) = load4(state, place + 8), _moved(h, stage, abreast, k, now)
+            store(slope, k, now)
+            store(following, k, zero)
             store(out, place, load4(state, place) + ahead * v + moved)
             store(out, place + 8, v + faster)
 
@@ -278,38 +276,41 @@ def _ahead(h, stage, abreast):
 @inlined
 def _substep(body, law, abreast, h, steps, step):
     """One step of Lawson's method, as `control_step` has it, of copies that have some left.  Args: h, s, and steps: vectors."""
-    state, stage, share, now = abreast.state, abreast.stage, four(step), four(step) / steps
+    state, share, now, zero = abreast.state, four(step), four(step) / steps, four(0.0)
     k1, k2, k3, k4, k5, k6 = abreast.k1, abreast.k2, abreast.k3, abreast.k4, abreast.k5, abreast.k6
+    for k in range(0, k1.size, 4):
+        store(k1, k, zero)
     for n in range(6):
         slope, at = k1, state
         if n == 1:
             slope = k2
-            _ahead(h, 1, abreast)
+            _ahead(body, h, 1, abreast, k1, k2)
         elif n == 2:
             slope = k3
-            _ahead(h, 2, abreast)
+            _ahead(body, h, 2, abreast, k2, k3)
         elif n == 3:
             slope = k4
-            _ahead(h, 3, abreast)
+            _ahead(body, h, 3, abreast, k3, k4)
         elif n == 4:
             slope = k5
-            _ahead(h, 4, abreast)
+            _ahead(body, h, 4, abreast, k4, k5)
         elif n == 5:
             slope = k6
-            _ahead(h, 5, abreast)
+            _ahead(body, h, 5, abreast, k5, k6)
         if n > 0:
-            at = stage
-        accelerate_abreast(body, law, at, now + four(NODES[n]) / steps, abreast, slope)
-    square, part, left = h * h / four(90.0), h / four(90.0), steps
+            at = abreast.stage
+        force_abreast(body, law, at, now + four(NODES[n]) / steps, abreast, slope)
+    square, part = h * h / four(90.0), h / four(90.0)
     for i in range(body.inverse_mass.size):
+        inverse = four(body.inverse_mass[i])
         for axis in range(0, 8, 4):
             place, k = 16 * i + axis, 8 * i + axis
             x, v, seven, third, fourth = load4(state, place), load4(state, place + 8), four(7.0) * load4(k1, k), load4(k3, k), load4(k4, k)
-            fifth, last = load4(k5, k), four(7.0) * load4(k6, k)
+            fifth, last = load4(k5, k), four(7.0) * (load4(k6, k) * inverse)
             after = x + h * v + square * (seven + four(24.0) * third + four(6.0) * fourth + four(8.0) * fifth)
             faster = v + part * (seven + four(32.0) * third + four(12.0) * fourth + four(32.0) * fifth + last)
-            store(state, place, chosen(left, share, after, x))
-            store(state, place + 8, chosen(left, share, faster, v))
+            store(state, place, chosen(steps, share, after, x))
+            store(state, place + 8, chosen(steps, share, faster, v))
 
 
 @inlined
