@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..kernels.jit import inlined, kernel, lean, seam
+from ..kernels.lanes import aligned
 from ..kernels.vectors import (
     chosen,
     four,
@@ -54,15 +55,23 @@ class Abreast(NamedTuple):
 
 @kernel
 def make_abreast(body):
-    cells, springs = padded4(body.position.shape[0]), body.rest_length.size
+    cells, springs = body.position.shape[0], body.rest_length.size
     chambers = body.triangle_area.size + body.polygon_area.size
     return Abreast(
         of=np.arange(COPIES), substeps=np.ones(COPIES, np.int64), rate=np.zeros(COPIES), sound=np.zeros(COPIES),
-        state=np.zeros(16 * cells), start=np.zeros(16 * cells), stage=np.zeros(16 * cells), k1=np.zeros(8 * cells), k2=np.zeros(8 * cells),
-        k3=np.zeros(8 * cells), k4=np.zeros(8 * cells), k5=np.zeros(8 * cells), k6=np.zeros(8 * cells), before=np.zeros(4 * springs),
-        rest=np.zeros(4 * springs), inverse_square=np.zeros(4 * springs),
-        push=np.zeros(4 * chambers + 4), activation=np.zeros(4 * cells),
+        state=_room(16 * cells, 0), start=_room(16 * cells, 1), stage=_room(16 * cells, 2), k1=_room(8 * cells, 3),
+        k2=_room(8 * cells, 4), k3=_room(8 * cells, 5), k4=_room(8 * cells, 6), k5=_room(8 * cells, 7), k6=_room(8 * cells, 8),
+        before=_room(4 * springs, 0), rest=_room(4 * springs, 1), inverse_square=_room(4 * springs, 2), push=_room(4 * chambers + 4, 3),
+        activation=_room(4 * padded4(cells), 4),
     )
+
+
+@kernel
+def _room(size, turn):
+    """Zeros that begin at a line of the cache, by turns at other places of a page: processors tell loads and stores apart by those."""
+    first = 56 * turn
+    memory = aligned(1, first + size)
+    return memory[0, first : first + size]
 
 
 @lean

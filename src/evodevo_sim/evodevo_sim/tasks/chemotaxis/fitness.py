@@ -40,16 +40,16 @@ def placements(task: Task) -> np.ndarray:
 
 def attempt(
     genome: Genome, task: Task, seed: int, placed: np.ndarray, shown: int = LEFT, finer: float = 1.0,
-    kept: tuple[np.ndarray, np.ndarray] = _NOT_KEPT, every: bool = True, *, bar: float = -math.inf,
+    kept: tuple[np.ndarray, np.ndarray] = _NOT_KEPT, every: bool = True, *, bar: float = -math.inf, alone: int = 0,
 ) -> Trials:
     """All swims of a genome.
 
-    Args: placed (K, 2), every, shown: see `Tests`; kept: (track, activations), see `life.Kept`; bar: see `Model`, where the targets are
+    Args: placed (K, 2), every, alone, shown: see `Tests`; kept: (track, activations), see `life.Kept`; bar: see `Model`, where the targets are
     those of the task.
     """
     signals = make_signals(noise=task.noise.arguments(), seed=seed, eyes=eyes_of(task))
     placed = np.ascontiguousarray(placed, float).reshape(-1, 2)
-    tests = Tests(task.chemotaxis.arguments(), placed, every, shown)
+    tests = Tests(task.chemotaxis.arguments(), placed, every, alone, shown)
     return trials(*kernel_arguments(genome, task, bar), finer, tests, signals, *kept)
 
 

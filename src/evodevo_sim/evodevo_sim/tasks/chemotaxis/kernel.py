@@ -32,6 +32,7 @@ class Tests(NamedTuple):
     chemotaxis: ChemotaxisArguments
     placements: np.ndarray  # (K, 2) of targets: rad to the left of the heading, m from the centre of mass at birth
     every: bool  # whether to swim towards all targets, or no further than to the first one that earns nothing: the worst one is paid
+    alone: int  # how many of the first swims are one by one; the others are four at a time, unless one of them is kept: no bit depends on it
     shown: int  # which swim is kept in track and activations, STRAIGHT or a row of placements; where there are no targets, STRAIGHT
 
 
@@ -159,7 +160,7 @@ def trials(genome, model, finer, tests, signals, track, activations):
                     status, bound = STOPPED, most
                     break
             if k >= done:
-                together = min(count - k, COPIES) if track.size == 0 else 1
+                together = min(count - k, COPIES) if k >= tests.alone and track.size == 0 else 1
                 state.position[:], state.velocity[:], brain.table[:], brain.past[:] = position, velocity, table, past
                 brain.activation[:], state.muscles.held[:], state.rest[:] = activation, held, rest
                 begin(copies, life, together)
