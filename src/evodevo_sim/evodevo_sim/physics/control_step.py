@@ -15,7 +15,6 @@ from .ladder import MOST_DOUBLINGS, Ladder, again, remember
 from .soundness import SOUND, STABLE_DRAG, UNSTABLE, check, surely_sound
 from .step_size import MOST_SUBSTEPS
 
-
 # J. D. Lawson, "An order five Runge-Kutta process with extended region of stability", SIAM J. Numer. Anal. 3 (1966): six stages, nodes
 # 0, 1/2, 1/4, 1/2, 3/4, 1.  Forces depend on positions at each stage, which are sums of accelerations, too: of the products of its matrix.
 NODES = (0.0, 0.5, 0.25, 0.5, 0.75, 1.0)

@@ -16,7 +16,7 @@ from ...brain.brain import Brain
 from ...brain.controller import Rules, brain_rests, brain_step
 from ...brain.eyes import Eyes
 from ...brain.scent import Signals, scent_row
-from ...kernels.jit import inlined, kernel, lean, seam
+from ...kernels.jit import inlined, kernel, seam
 from ...kernels.lanes import aligned
 from ...physics.abreast import COPIES, Abreast, go_along, make_abreast, put_copy, put_rest, set_out, set_rest_abreast, take_copy, take_rest
 from ...physics.bounds import find_drag_rate
@@ -97,7 +97,8 @@ def _state_of(state, copies, k):
     """The muscles of a copy in the one body that all take turns to have."""
     muscles = Muscles(copies.held[k], state.muscles.share, state.muscles.most, state.muscles.resolution)
     return BodyState(
-        state.body, state.law, state.rest, state.before, state.position, state.velocity, state.scratch, state.substeps, state.finer, state.halt, muscles
+        state.body, state.law, state.rest, state.before, state.position, state.velocity, state.scratch, state.substeps, state.finer,
+        state.halt, muscles,
     )
 
 
