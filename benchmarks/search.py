@@ -192,8 +192,8 @@ def main():
     try:
         of_task, of_settings = split(options.set)
         files = [read_genome(name) for name in options.start]
-        task = with_settings(usual_task(options.task), law_of(files) | of_task)
-        name = options.scheme or default_scheme(options.task, of_settings, task.development.max_cells)
+        task = with_settings(usual_task(options.task, options.scheme or ""), law_of(files) | of_task)
+        name = options.scheme or default_scheme(options.task, of_settings, task.development.max_cells, bool(options.start))
         settings = Settings(**scheme(name, options.task) | {"generations": options.generations} | of_settings)
         start = tuple(file.genome for file in files)
         check(task, settings, start)

@@ -17,7 +17,7 @@ from common import FULL, STEP, TINY, Figure, best, main, plt, race, save, slab, 
 from evodevo_sim.physics.bounds import bounds
 from evodevo_sim.physics.forces import Law
 from evodevo_sim.physics.integrators import make_system, make_work
-from evodevo_sim.physics.step_size import ADAPTIVE, EULER, INTEGRATORS, RK4, VERLET
+from evodevo_sim.physics.step_size import ADAPTIVE, EULER, INTEGRATORS, LAWSON, RK4, VERLET
 from kernels import travel
 from matplotlib.ticker import NullFormatter
 from outsiders import OUTSIDERS, outside, reference
@@ -30,7 +30,8 @@ SCENES = {
     "walk": (400.0, 10.0, 0.0, 0.0),
 }
 STEPS = (1, 2, 4, 8, 16, 32, 64)
-COLOURS = dict(zip((*INTEGRATORS, *OUTSIDERS), ("#d1495b", "#edae49", "#00798c", "#30638e", "#999999", "#b07aa1", "#9c755f")))
+OURS = (*INTEGRATORS, "lawson")  # the last is that of swimmers
+COLOURS = dict(zip((*OURS, *OUTSIDERS), ("#d1495b", "#edae49", "#00798c", "#30638e", "#2a9d4e", "#999999", "#b07aa1", "#9c755f")))
 WORST = 0.5  # cell diameters: an error beyond says no more than that it is wrong
 
 
@@ -52,7 +53,7 @@ def run(effort, out):
         system = make_scene(name, columns, rows)
         walks = name == "walk"
         intervals = min(60, round(seconds / STEP)) if walks else round(seconds / STEP)
-        efforts = [(m, steps) for m in ((EULER,) if walks else (EULER, VERLET, RK4)) for steps in STEPS]
+        efforts = [(m, steps) for m in ((EULER,) if walks else (EULER, VERLET, RK4, LAWSON)) for steps in STEPS]
         efforts += [] if walks else [(ADAPTIVE, 10.0**-k) for k in range(2, 11)]
         if walks:
             most = 64 * STEPS[-1] if effort == FULL else 8 * STEPS[-1]
@@ -67,7 +68,7 @@ def run(effort, out):
         seconds_of = best(race({key: timer(system, *key, intervals) for key in good}, rounds, f"{name}: times"))
         about = {"scene": name, "cells": columns * rows, "control_steps": intervals, "h_omega": STEP * bounds(system)[0]}
         table += [
-            {**about, "integrator": INTEGRATORS[m], "effort": e, "evaluations": found[m, e][1] / intervals, "error": errors[m, e],
+            {**about, "integrator": OURS[m], "effort": e, "evaluations": found[m, e][1] / intervals, "error": errors[m, e],
              "milliseconds": 1e3 * seconds_of[m, e] / (intervals * STEP)}
             for m, e in good
         ]
@@ -87,7 +88,7 @@ def go(system, method, effort, intervals):
     """(position, force evaluations).  Args: effort: steps in a control step, or the tolerance."""
     p = system.body.position.T.copy()
     used = travel(system, method, float(effort), STEP, intervals, p, np.zeros_like(p), make_work(system.body))
-    each = {EULER: effort, VERLET: effort + 1, RK4: 4 * effort}.get(method, 0)
+    each = {EULER: effort, VERLET: effort + 1, RK4: 4 * effort, LAWSON: 6 * effort}.get(method, 0)
     if system.ground:
         each += 2  # velocities are shifted to the middle of a step, and back
     return p, used + each * intervals
@@ -108,7 +109,7 @@ def conclusions(table, name):
     figures = []
     for most in (5e-3, 1e-4, 1e-6):
         good = [r for r in table if r["scene"] == name and r["error"] <= most]
-        ours = min((r for r in good if r["integrator"] in INTEGRATORS), key=lambda r: r["evaluations"], default=None)
+        ours = min((r for r in good if r["integrator"] in OURS), key=lambda r: r["evaluations"], default=None)
         if ours:
             text = f"{ours['evaluations']:.3g} by {ours['integrator']}"
             others = []
@@ -127,7 +128,7 @@ def draw(table, path):
         mine = [r for r in table if r["scene"] == name]
         for row, (quantity, label) in enumerate(work.items()):
             axis = axes[row, column]
-            for integrator in (*INTEGRATORS, *OUTSIDERS, *(f"{one} across" for one in OUTSIDERS)):
+            for integrator in (*OURS, *OUTSIDERS, *(f"{one} across" for one in OUTSIDERS)):
                 points = [r for r in mine if r["integrator"] == integrator and r[quantity] != ""]
                 line = "o:" if integrator.endswith("across") else "o--" if integrator in OUTSIDERS else "o-"
                 x, y = [r[quantity] for r in points], [r["error"] for r in points]

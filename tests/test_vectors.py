@@ -7,6 +7,7 @@ from evodevo_sim.kernels.vectors import (
     all_at_most,
     all_below,
     chosen,
+    chosen_at_least,
     even_pairs,
     evens,
     four,
@@ -20,6 +21,7 @@ from evodevo_sim.kernels.vectors import (
     load4_within,
     low,
     magnitude,
+    negative,
     number,
     odd_pairs,
     odds,
@@ -42,12 +44,13 @@ def _arithmetic(a, b, out):
     store(out, 8, x * y)
     store(out, 12, x / y)
     store(out, 16, root(magnitude(x)))
+    store(out, 20, negative(x - x))
 
 
 def test_arithmetic_is_that_of_single_numbers():
-    out = np.empty(20)
+    out = np.empty(24)
     _arithmetic(A, B, out)
-    assert np.array_equal(out, np.concatenate((A + B, A - B, A * B, A / B, np.sqrt(np.abs(A)))))
+    assert out.tobytes() == np.concatenate((A + B, A - B, A * B, A / B, np.sqrt(np.abs(A)), np.full(4, -0.0))).tobytes()
 
 
 @kernel
@@ -93,6 +96,7 @@ def test_nothing_beyond_the_end_is_read_or_written(size):
 def _compare(a, b, out):
     x, y = load4(a, 0), load4(b, 0)
     store(out, 0, chosen(y, x, y, four(-1.0)))
+    store(out, 4, chosen_at_least(y, x, y, four(-1.0)))
     return all_below(x, y), all_at_most(x, y)
 
 
@@ -101,9 +105,10 @@ def _compare(a, b, out):
     ([2, np.nan, 4, 5], False, False, [2, -1, 4, 5]),
 ])
 def test_lanes_are_compared_and_a_nan_is_neither_above_nor_below(b, below, at_most, above):
-    out = np.empty(4)
+    out = np.empty(8)
     assert _compare(np.array([1.0, 2.0, 3.0, 4.0]), np.array(b, float), out) == (below, at_most)
-    assert out.tolist() == above
+    assert out[:4].tolist() == above
+    assert out[4:].tolist() == [2, b[1] if b[1] >= 2 else -1, 4, 5]
 
 
 def test_an_array_with_gaps_is_refused():

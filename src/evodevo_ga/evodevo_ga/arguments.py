@@ -164,7 +164,7 @@ def parse(arguments: list[str]) -> Options:
     from .usual import law_of, usual_task
 
     try:
-        task = usual_task(given.task)
+        task = usual_task(given.task, given.scheme or "")
         files = [read_genome(_genome_file(Path(place))) for place in given.start]
         task = with_settings(task, law_of(files))
         if given.world is not None:
@@ -175,7 +175,7 @@ def parse(arguments: list[str]) -> Options:
         task = with_settings(task, numbers | (preset(given.preset) if given.preset else {}) | settings_of(given, task.name, warn("evolve")))
         chosen = {field.name: getattr(given, field.name) for field in dataclasses.fields(Settings)}
         chosen = {name: value for name, value in chosen.items() if value is not None}
-        usual = _ONE_BODY if given.rig else default_scheme(task.name, chosen, task.development.max_cells)
+        usual = _ONE_BODY if given.rig else default_scheme(task.name, chosen, task.development.max_cells, bool(files))
         name = usual if given.scheme is None else given.scheme
         settings = Settings(**scheme(name, task.name) | chosen)
         search_of(settings, name)

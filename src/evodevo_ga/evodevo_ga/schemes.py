@@ -93,15 +93,16 @@ _CELLS = 5  # from which on bodies are unlike enough for an archive
 _PARTING = {"layers": _LAYERS, "niches": _NICHES}
 
 
-def default_scheme(task: str, settings: dict[str, float] | None = None, cells: int = 32) -> str:
+def default_scheme(task: str, settings: dict[str, float] | None = None, cells: int = 32, refines: bool = False) -> str:
     """The scheme of a search that names none: what suits the task; one population where its settings part one, or it or bodies are small.
 
-    docs/reference/search.md tells what each scheme is.
+    Args: refines: whether genomes to begin from are given.  docs/reference/search.md tells what each scheme is.
     """
     chosen = settings or {}
     small = cells < _CELLS or chosen.get("population", Settings.population) < _POPULATION
     other = small or any(chosen.get(name, 1) > 1 for name in _PARTING)
-    return "panmictic" if other else known_kind(task).scheme
+    kind = known_kind(task)
+    return "panmictic" if other else (kind.refining if refines else "") or kind.scheme
 
 
 def scheme_of(name: str) -> Scheme:

@@ -10,9 +10,12 @@ from evodevo_sim.parameters import Task, default_task, preset, with_settings
 GROWTH = "contact_inhibition"  # the preset by which bodies of runs grow where nobody says; empty: the default law of the model
 
 
-def usual_task(name: str) -> Task:
-    """The task that runs of a name are about.  Raises ParameterError where there is none."""
-    return with_settings(default_task(name), dict(preset(GROWTH)) if GROWTH else {})
+_BY_THE_PAPER = "paper"  # the scheme whose bodies grow as the paper's do
+
+
+def usual_task(name: str, scheme: str = "") -> Task:
+    """The task that runs of a name and a scheme are about.  Raises ParameterError where there is no such task."""
+    return with_settings(default_task(name), dict(preset(GROWTH)) if GROWTH and scheme != _BY_THE_PAPER else {})
 
 
 def law_of(files: Sequence[GenomeFile]) -> dict[str, object]:

@@ -35,7 +35,8 @@ class TaskKind:
         fitnesses: what may be counted, as `task.fitness` names it, the usual one first.
         unused: settings that must stay 0, and why.
         needed: settings of which one must be above 0, and why.
-        search: numbers of the genetic algorithm that differ for it; scheme: the search that suits it, by name.
+        search: numbers of the genetic algorithm that differ for it; scheme: the search that suits it, by name; refining: that
+            which suits it where genomes to begin from are given, empty: the same.
     """
 
     name: str
@@ -54,6 +55,7 @@ class TaskKind:
     needed_because: str = ""
     search: Mapping[str, float] = field(default_factory=dict)
     scheme: str = "panmictic"
+    refining: str = ""
 
     def __post_init__(self):
         for name in ("defaults", "unused", "search"):
@@ -116,7 +118,7 @@ register(TaskKind(
 register(TaskKind(
     "walk", "walk far from where it came to rest",
     run=f"{_HERE}.walk.fitness:run", begin=f"{_HERE}.walk.fitness:begin",
-    audit=f"{_HERE}.walk.audit:audit", kernel="kernel.walk",
+    audit=f"{_HERE}.walk.audit:audit", kernel="kernel.walk", scheme="archive",
     defaults={"scene.drag_normal": 0.0, "scene.drag_tangential": 0.0, "scene.gravity": 5.0, "scene.friction": 0.8},
     has_ground=True, fitnesses=("sustained", "distance"), unused={"noise.sensing": "which has no scent"},
     needed=("scene.gravity",), needed_because="a walker would never come to rest on the ground",
@@ -125,5 +127,5 @@ register(TaskKind(
     "chemotaxis", "swim to targets on either side",
     run=f"{_HERE}.chemotaxis.fitness:run", begin=f"{_HERE}.swim.fitness:begin",
     audit=f"{_HERE}.chemotaxis.audit:audit", kernel="kernel.trials", audit_kernel=_REPEAT, has_target=True, needed=_FLUID, needed_because=_NO_FLUID,
-    search={"scent_extent": 6.0, "scent_mutation": 0.25, "point_mutation": 0.015, "point_scale": 0.7},
+    scheme="archive", refining="panmictic", search={"scent_extent": 6.0, "scent_mutation": 0.25, "point_mutation": 0.015, "point_scale": 0.7},
 ))

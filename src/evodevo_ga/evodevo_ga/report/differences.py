@@ -51,8 +51,8 @@ def _settings(name: str, task: str) -> Settings:
     return Settings(**numbers)
 
 
-def _usual_task(name: str) -> Task:
-    return with_settings(usual_task(name), {"development.max_cells": _CELLS})
+def _usual_task(name: str, scheme: str = "") -> Task:
+    return with_settings(usual_task(name, scheme), {"development.max_cells": _CELLS})
 
 
 def world_of(task: Task) -> str:
@@ -87,7 +87,7 @@ def command(task: Task, settings: Settings, seed: int, chosen: str, files: Mappi
     given += ["--scheme", name]
     if task.development.max_cells != _CELLS:
         given += ["--cells", str(task.development.max_cells)]
-    base = _usual_task(task.name)
+    base = _usual_task(task.name, name)
     world = world_of(task)
     if world != "flat":
         given += ["--world", world or files.get("world", "world.yaml")]

@@ -171,14 +171,26 @@ def _in_each_lane(name):
 root, magnitude = _in_each_lane("sqrt"), _in_each_lane("fabs")
 
 
+def _choice(symbol, meaning):
+    @intrinsic
+    def choose(typing, a, b, where, otherwise):
+        def generate(context, builder, signature, values):
+            return builder.select(builder.fcmp_ordered(symbol, *values[:2]), *values[2:])
+
+        return where(a, b, where, otherwise), generate
+
+    choose.__doc__ = meaning
+    return choose
+
+
+chosen = _choice(">", "where in the lanes where a > b, otherwise in the others: also where there is a NaN.")
+chosen_at_least = _choice(">=", "where in the lanes where a >= b, otherwise in the others: also where there is a NaN.")
+
+
 @intrinsic
-def chosen(typing, a, b, above, otherwise):
-    """above in the lanes where a > b, otherwise in the others: also where there is a NaN."""
-
-    def generate(context, builder, signature, values):
-        return builder.select(builder.fcmp_ordered(">", *values[:2]), *values[2:])
-
-    return above(a, b, above, otherwise), generate
+def negative(typing, a):
+    """-a"""
+    return a(a), lambda context, builder, signature, values: builder.fneg(values[0])
 
 
 def _shuffle(builder, a, b, *lanes):

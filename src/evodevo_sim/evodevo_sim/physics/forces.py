@@ -171,8 +171,9 @@ def make_scratch(body):
     state[4 * (filler + 1)], state[4 * (filler + 2) + 1] = 1.0, 1.0  # x of the second cell that fills up, y of the third
     return Scratch(
         position=np.empty(shape), velocity=np.empty(shape), k1=np.empty(shape), k2=np.empty(shape), k3=np.empty(shape), k4=np.empty(shape),
-        k5=np.empty(shape), k6=np.empty(shape), start_position=np.empty(shape), start_velocity=np.empty(shape), start_ledger=np.zeros(4), plan=plan, state=state,
-        inverse_square=np.zeros(plan.start.size), push=np.zeros(outside + 1), force=np.empty(state.size), rate=np.zeros(1),
+        k5=np.empty(shape), k6=np.empty(shape), start_position=np.empty(shape), start_velocity=np.empty(shape),
+        start_ledger=np.zeros(4), plan=plan, state=state, inverse_square=np.zeros(plan.start.size),
+        push=np.zeros(outside + 1), force=np.empty(state.size), rate=np.zeros(1),
     )
 
 
@@ -184,20 +185,22 @@ def set_rest_lengths(body, law, activation, rest):
         rest[e] = (1.0 + muscle_range * (activation[start[e]] + activation[end[e]])) * rest_length[e]
 
 
-def _rest4(rest, e):
+def _rest4(_rest, _e):
     """Rest lengths of four springs, m, from the e-th on: of an array, or on a `Ramp`."""
 
 
 @overload(_rest4)
-def _rest4_of(rest, e):
-    if isinstance(rest, types.Array):
-        return lambda rest, e: load4_within(rest, e)
-    return _rest4_on_the_way
+def _rest4_of(_rest, _e):
+    return _held if isinstance(_rest, types.Array) else _on_the_way
 
 
-def _rest4_on_the_way(rest, e):
-    before = load4_within(rest.before, e)
-    return before + four(rest.share) * (load4_within(rest.after, e) - before)
+def _held(_rest, _e):
+    return load4_within(_rest, _e)
+
+
+def _on_the_way(_rest, _e):
+    before = load4_within(_rest.before, _e)
+    return before + four(_rest.share) * (load4_within(_rest.after, _e) - before)
 
 
 @lean
@@ -223,12 +226,29 @@ def pack(position, velocity, state):
 
 @inlined
 def put(state, i, x, y, u, v):
-    """The same of four cells, from the i-th on, as vectors."""
+    """Lay down four cells, from the i-th on."""
     a, b, c, d = transpose(x, y, u, v)
     store(state, 4 * i, a)
     store(state, 4 * i + 4, b)
     store(state, 4 * i + 8, c)
     store(state, 4 * i + 12, d)
+
+
+@inlined
+def taken(state, i):
+    """x, y, u, v of four cells from the i-th on."""
+    return transpose(load4(state, 4 * i), load4(state, 4 * i + 4), load4(state, 4 * i + 8), load4(state, 4 * i + 12))
+
+
+@inlined
+def unpack(state, position, velocity):
+    """The way back."""
+    for i in range(0, position.shape[1], 4):
+        x, y, u, v = taken(state, i)
+        store4_within(position[0], i, x)
+        store4_within(position[1], i, y)
+        store4_within(velocity[0], i, u)
+        store4_within(velocity[1], i, v)
 
 
 @lean
@@ -241,6 +261,16 @@ def accelerations(body, law, rest, position, velocity, scratch, out):
 @inlined
 def accelerate(body, law, rest, scratch, out):
     """The same for a state that is packed already.  Args: rest: (E,) m, or a `Ramp`."""
+    exert(body, law, rest, scratch)
+    for i in range(0, out.shape[1], 4):
+        x, y = pushed(scratch, i)
+        store4_within(out[0], i, x)
+        store4_within(out[1], i, y)
+
+
+@inlined
+def exert(body, law, rest, scratch):
+    """Fill scratch.force from a packed state."""
     if law.pressure != 0.0:
         _push(body, law, scratch)
     else:
@@ -252,11 +282,15 @@ def accelerate(body, law, rest, scratch, out):
     _pull(law, rest, scratch)
     if law.drag_normal != 0.0 or law.drag_tangential != 0.0:
         _drag(law, scratch)
-    for i in range(0, out.shape[1], 4):
-        one, other = join(load2(force, 4 * i), load2(force, 4 * i + 4)), join(load2(force, 4 * i + 8), load2(force, 4 * i + 12))
-        inverse = load4(scratch.plan.inverse_mass, i)
-        store4_within(out[0], i, evens(one, other) * inverse)
-        store4_within(out[1], i, odds(one, other) * inverse)
+
+
+@inlined
+def pushed(scratch, i):
+    """Accelerations of four cells from the i-th on, by the forces on them: x, y."""
+    force = scratch.force
+    one, other = join(load2(force, 4 * i), load2(force, 4 * i + 4)), join(load2(force, 4 * i + 8), load2(force, 4 * i + 12))
+    inverse = load4(scratch.plan.inverse_mass, i)
+    return evens(one, other) * inverse, odds(one, other) * inverse
 
 
 @inlined

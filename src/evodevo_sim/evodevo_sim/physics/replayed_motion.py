@@ -93,7 +93,7 @@ def repeat(system, method, control_step, activation, state, work, path):
     Returns: (outcome; gain of stored energy, J; least S / S0 of any chamber after any control step).
     """
     body, law, ladder = system.body, system.law, Ladder(MOST_DOUBLINGS, MOST_SUBSTEPS)
-    position, velocity, ledger = state.position, state.velocity, state.ledger
+    position, velocity = state.position, state.velocity
     count = activation.shape[0] - 1
     length = count // (path.shape[0] - 1)
     h, least, outcome = control_step / 16.0, 1.0, SOUND

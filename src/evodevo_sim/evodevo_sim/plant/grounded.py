@@ -7,10 +7,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ..brain.scent import Signals
-from ..kernels.jit import kernel, lean
+from ..kernels.jit import inlined, kernel, lean, seam
+from ..physics.grounded_steps import alike_in, are_alike, go_alike, go_soundly_alike
 from ..physics.integrators import System, Work, euler
 from ..physics.ladder import MOST_DOUBLINGS, Ladder, again, remember
-from ..physics.soundness import judge
+from ..physics.soundness import SOUND, judge
 from ..physics.step_size import MOST_SUBSTEPS, choose_walk_steps
 from .contract import Outcome
 from .muscles import steady
@@ -44,9 +45,20 @@ def make_grounded_state(state, scene, terrain, control_step, finer, moves, ledge
     return GroundedState(state, system, work, steps, state.position.copy(), ledger)
 
 
-@lean
+@inlined
 def move(grounded, seconds):
-    """Carry the body over one control step; where that is not sound, again with twice the steps: see `physics.ladder`."""
+    """Carry the body over one control step.  Returns: SOUND, or what was wrong."""
+    state, system, steps = grounded.state, grounded.system, grounded.steps
+    if are_alike(system, grounded.ledger) and go_soundly_alike(
+        alike_in(system, state.scratch), seconds / steps, steps, state.position, state.velocity
+    ):
+        return SOUND
+    return _move_carefully(grounded, seconds)
+
+
+@seam
+def _move_carefully(grounded, seconds):
+    """The same; where a try is not sound, again with twice the steps: see `physics.ladder`."""
     state, system, work, ledger = grounded.state, grounded.system, grounded.work, grounded.ledger
     position, velocity, scratch = state.position, state.velocity, state.scratch
     ladder = Ladder(MOST_DOUBLINGS, MOST_SUBSTEPS)
@@ -54,8 +66,11 @@ def move(grounded, seconds):
     doubling, steps = 0, grounded.steps
     while True:
         h = seconds / steps
-        for _ in range(steps):
-            euler(system, 0.0, h, position, velocity, work, ledger)
+        if are_alike(system, ledger):
+            go_alike(alike_in(system, scratch), h, steps, position, velocity)
+        else:
+            for _ in range(steps):
+                euler(system, 0.0, h, position, velocity, work, ledger)
         outcome = judge(state.body, position, velocity, h, scratch)
         if not again(outcome, doubling, steps, ladder, position, velocity, ledger, scratch):
             return outcome

@@ -43,10 +43,10 @@ def make_body_state(body, material, scene, control_step, finer, moves, halt, act
     """A body where it grew, at rest.
 
     Args: finer, halt: see `BodyState`; moves: whether it has chambers to move with; actuators: see `muscles.Actuators`."""
-    law = make_law(material, scene)
+    law, springs, position = make_law(material, scene), body.rest_length.size, body.position.T.copy()
     substeps = choose_substeps(body, law, control_step) if moves else 0
     return BodyState(
-        body, law, np.empty(body.rest_length.size), np.empty(body.rest_length.size), body.position.T.copy(), np.zeros((2, body.position.shape[0])), make_scratch(body),
+        body, law, np.empty(springs), np.empty(springs), position, np.zeros(position.shape), make_scratch(body),
         substeps if substeps <= MOST_SUBSTEPS else 0, finer, halt, make_muscles(actuators, body.position.shape[0]),
     )
 
