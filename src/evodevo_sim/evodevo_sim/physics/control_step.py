@@ -1,8 +1,8 @@
 """The motion of a body (paper sections 2.3 and 4.2): one control step, and rest.
 
 The one interface: `advance` carries a state (position, velocity) over a control step, in which rest lengths go evenly from
-those before it to those after it, and says whether the outcome is sound.  Forces stand in `forces`, what is sound in `soundness`, the choice of steps in `step_size`, other methods
-and the ground in `integrators`.
+those before it to those after it, and says whether the outcome is sound.  Forces stand in `forces`, what is sound in `soundness`,
+the choice of steps in `step_size`, other methods and the ground in `integrators`.
 """
 
 from __future__ import annotations
