@@ -17,13 +17,13 @@ from .step_size import MOST_SUBSTEPS
 
 # J. D. Lawson, "An order five Runge-Kutta process with extended region of stability", SIAM J. Numer. Anal. 3 (1966): six stages, nodes
 # 0, 1/2, 1/4, 1/2, 3/4, 1.  Forces depend on positions at each stage, which are sums of accelerations, too: of the products of its matrix.
-_NODES = (0.0, 0.5, 0.25, 0.5, 0.75, 1.0)
+NODES = (0.0, 0.5, 0.25, 0.5, 0.75, 1.0)
 
 
 @inlined
 def _pack_stage(position, velocity, h, stage, scratch):
     """Pack the state of a stage from the second on: x + h c v + h^2 sum(p k), v + h sum(a k), of the accelerations k so far."""
-    ahead, square = four(h * _NODES[stage]), h * h
+    ahead, square = four(h * NODES[stage]), h * h
     if stage == 1:
         none, half = four(0.0), four(h / 2)
         for i in range(0, position.shape[1], 4):
@@ -96,7 +96,7 @@ def _substep(body, law, ramp, position, velocity, h, steps, scratch):
             slope = scratch.k6
         if stage > 0:
             _pack_stage(position, velocity, h, stage, scratch)
-        accelerate(body, law, Ramp(ramp.before, ramp.after, ramp.share + _NODES[stage] / steps), scratch, slope)
+        accelerate(body, law, Ramp(ramp.before, ramp.after, ramp.share + NODES[stage] / steps), scratch, slope)
     whole, square, share = four(h), four(h * h / 90), four(h / 90)
     for a in range(2):
         x, v = position[a], velocity[a]

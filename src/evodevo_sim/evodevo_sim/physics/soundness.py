@@ -12,21 +12,21 @@ SOUND, UNSTABLE, INVERTED = range(3)
 STABLE_DRAG = 5.6  # h * (rate of drag) after a substep, up to which Lawson's method does not overshoot
 _MOST_DRAG_RK4 = 2.6  # the same of RK4
 _MOST_DRAG = 1.0  # the same, that steps of Euler and Verlet may reach which were chosen before a body sped up
-_FASTEST = 0.5  # of the shortest rest length, that a cell may move in a substep
-_SHORTEST = 0.05  # of its rest length, that a spring may shrink to
-_FARTHEST = 1.0  # of its present length, that its ends may move against each other in a substep: beyond, energy comes from nowhere
+FASTEST = 0.5  # of the shortest rest length, that a cell may move in a substep
+SHORTEST = 0.05  # of its rest length, that a spring may shrink to
+FARTHEST = 1.0  # of its present length, that its ends may move against each other in a substep: beyond, energy comes from nowhere
 
 
 @inlined
 def surely_sound(body, position, velocity, h, scratch):
     """Whether a packed state passes `check`, in fewer steps.  Where this says no, `check` tells why."""
     state, plan, rest_length = scratch.state, scratch.plan, body.rest_length
-    fastest, farthest = four((_FASTEST * body.shortest / h) ** 2), four((h / _FARTHEST) ** 2)
+    fastest, farthest = four((FASTEST * body.shortest / h) ** 2), four((h / FARTHEST) ** 2)
     for i in range(0, velocity.shape[1], 4):
         u, v = load4_within(velocity[0], i), load4_within(velocity[1], i)
         if not all_at_most(u * u + v * v, fastest):
             return False
-    start, end, shortest = plan.start, plan.end, four(_SHORTEST)
+    start, end, shortest = plan.start, plan.end, four(SHORTEST)
     for e in range(0, rest_length.size, 4):
         a, b = span(state, start, end, e), span(state, start, end, e + 1)
         c, d = span(state, start, end, e + 2), span(state, start, end, e + 3)
@@ -51,14 +51,14 @@ def check(body, position, velocity, h):
     x, y, u, v = position[0], position[1], velocity[0], velocity[1]
     start, end, rest_length, triangle = body.spring_a, body.spring_b, body.rest_length, body.triangle
     polygon, corner = body.polygon_start, body.polygon_cell
-    fastest, farthest = (_FASTEST * body.shortest / h) ** 2, (h / _FARTHEST) ** 2
+    fastest, farthest = (FASTEST * body.shortest / h) ** 2, (h / FARTHEST) ** 2
     for i in range(x.size):
         if not u[i] * u[i] + v[i] * v[i] <= fastest:
             return UNSTABLE
     for e in range(rest_length.size):
         i, j = start[e], end[e]
         dx, dy, du, dv = x[j] - x[i], y[j] - y[i], u[j] - u[i], v[j] - v[i]
-        shortest, square = _SHORTEST * rest_length[e], dx * dx + dy * dy
+        shortest, square = SHORTEST * rest_length[e], dx * dx + dy * dy
         if not square > shortest * shortest:
             return INVERTED
         if not (du * du + dv * dv) * farthest <= square:

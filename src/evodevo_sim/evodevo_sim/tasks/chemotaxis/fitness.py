@@ -17,6 +17,19 @@ from .kernel import SAMPLES, Tests, Trials, earns, nearing, trials
 
 LEFT, RIGHT = range(2)
 _NOT_KEPT = np.empty((0, 0, 0)), np.empty((0, 0))
+# Four swims abreast take as long as three of them alone.  Those after one that earns nothing are swum for nothing then, so it pays where
+# most evaluations go through: seekers that are looked at again and again, not a population that still learns to turn.
+WORTH = 0.8  # share of the swims that evaluations needed of late, above which they go abreast
+_NEW = 0.25  # weight of the last one
+
+
+class _Habit:
+    """What evaluations of late came to, of all threads, which may overwrite each other: no result depends on it."""
+
+    share = 1.0
+
+
+_habit = _Habit()
 
 
 @by_body
@@ -27,7 +40,12 @@ def run(
 
     Args: see `swim.swim`; the swim that is kept is the one with the target on the left, if there is one; bar: see `Model`.
     """
-    return score(attempt(genome, task, seed, placements(task), LEFT, finer, (track, activations), every=False, bar=bar), task)
+    placed = placements(task)
+    alone = 0 if _habit.share > WORTH else len(placed)
+    result = attempt(genome, task, seed, placed, LEFT, finer, (track, activations), every=False, bar=bar, alone=alone)
+    if result.tested:
+        _habit.share += _NEW * (result.swims / len(placed) - _habit.share)
+    return score(result, task)
 
 
 def placements(task: Task) -> np.ndarray:
@@ -40,16 +58,16 @@ def placements(task: Task) -> np.ndarray:
 
 def attempt(
     genome: Genome, task: Task, seed: int, placed: np.ndarray, shown: int = LEFT, finer: float = 1.0,
-    kept: tuple[np.ndarray, np.ndarray] = _NOT_KEPT, every: bool = True, *, bar: float = -math.inf,
+    kept: tuple[np.ndarray, np.ndarray] = _NOT_KEPT, every: bool = True, *, bar: float = -math.inf, alone: int = 0,
 ) -> Trials:
     """All swims of a genome.
 
-    Args: placed (K, 2), every, shown: see `Tests`; kept: (track, activations), see `life.Kept`; bar: see `Model`, where the targets are
-    those of the task.
+    Args: placed (K, 2), every, alone, shown: see `Tests`; kept: (track, activations), see `life.Kept`; bar: see `Model`, where the
+    targets are those of the task.
     """
     signals = make_signals(noise=task.noise.arguments(), seed=seed, eyes=eyes_of(task))
     placed = np.ascontiguousarray(placed, float).reshape(-1, 2)
-    tests = Tests(task.chemotaxis.arguments(), placed, every, shown)
+    tests = Tests(task.chemotaxis.arguments(), placed, every, alone, shown)
     return trials(*kernel_arguments(genome, task, bar), finer, tests, signals, *kept)
 
 

@@ -12,9 +12,11 @@ import numpy as np
 from ...brain.controller import Rules
 from ...brain.scent import Signals
 from ...kernels.jit import kernel, lean
+from ...physics.abreast import COPIES
 from ...plant.muscles import strike
 from ..ends import INVERTED, OK, RESTING, STOPPED, UNSTABLE, surely
 from ..life import Kept, birth
+from ..swim.abreast import begin, courses, make_copies
 from ..swim.kernel import Stakes, course
 
 if TYPE_CHECKING:
@@ -30,6 +32,7 @@ class Tests(NamedTuple):
     chemotaxis: ChemotaxisArguments
     placements: np.ndarray  # (K, 2) of targets: rad to the left of the heading, m from the centre of mass at birth
     every: bool  # whether to swim towards all targets, or no further than to the first one that earns nothing: the worst one is paid
+    alone: int  # how many of the first swims are one by one; the others are four at a time, unless one of them is kept: no bit depends on it
     shown: int  # which swim is kept in track and activations, STRAIGHT or a row of placements; where there are no targets, STRAIGHT
 
 
@@ -138,7 +141,7 @@ def trials(genome, model, finer, tests, signals, track, activations):
     dx, dy = path[-1, 0] - path[0, 0], path[-1, 1] - path[0, 1]
     distance = np.sqrt(dx * dx + dy * dy)
     heading = (dx / distance, dy / distance) if distance > 0.0 else (1.0, 0.0)
-    swims = 0
+    swims, first = 0, 0
     tested = status == OK and distance >= chemotaxis.least_distance
     ended, failed_step = status, step
     if tested:
@@ -147,6 +150,8 @@ def trials(genome, model, finer, tests, signals, track, activations):
             c, s = placements[k, 1] * np.cos(placements[k, 0]), placements[k, 1] * np.sin(placements[k, 0])
             targets[k, 0] = path[0, 0] + c * heading[0] - s * heading[1]
             targets[k, 1] = path[0, 1] + c * heading[1] + s * heading[0]
+        copies = make_copies(life, signals.eyes)
+        done = 0
         for k in range(count):
             if model.bar > -np.inf:
                 paid = bonus + bonus * worst + _most_steered(chemotaxis, placements, gains, nearer, k)
@@ -154,23 +159,37 @@ def trials(genome, model, finer, tests, signals, track, activations):
                 if most < model.bar:
                     status, bound = STOPPED, most
                     break
-            state.position[:], state.velocity[:], brain.table[:], brain.past[:] = position, velocity, table, past
-            brain.activation[:], state.muscles.held[:], state.rest[:] = activation, held, rest
-            target = np.array([targets[k, 0], targets[k, 1], chemotaxis.scent_peak, chemotaxis.scent_reach])
-            shown = k == tests.shown
-            random = np.array([signals.random[0] + np.uint64(k + 1), np.uint64(0)])
-            aimed = Rules(model.task.control_step, model.development, model.continual, Signals(target, signals.noise, random, signals.eyes))
-            ended, failed_step, _, actives[k], _ = course(
-                life, model, aimed, paths[k], Kept(activation_range, track if shown else track[:0], activations if shown else activations[:0]),
-                no_stakes,
-            )
+            if k >= done:
+                together = min(count - k, COPIES) if k >= tests.alone and track.size == 0 else 1
+                state.position[:], state.velocity[:], brain.table[:], brain.past[:] = position, velocity, table, past
+                brain.activation[:], state.muscles.held[:], state.rest[:] = activation, held, rest
+                begin(copies, life, together)
+                for lane in range(together):
+                    x, y = targets[k + lane]
+                    copies.target[lane][:] = (x, y, chemotaxis.scent_peak, chemotaxis.scent_reach)
+                    copies.random[lane][:] = (signals.random[0] + np.uint64(k + lane + 1), np.uint64(0))
+                if together > 1:
+                    courses(life, model, rules, copies, paths[k : k + together])
+                else:
+                    shown = k == tests.shown
+                    aimed = Rules(
+                        model.task.control_step, model.development, model.continual,
+                        Signals(copies.target[0], signals.noise, copies.random[0], signals.eyes),
+                    )
+                    copies.status[0], copies.step[0], _, copies.active[0], _ = course(
+                        life, model, aimed, paths[k],
+                        Kept(activation_range, track if shown else track[:0], activations if shown else activations[:0]), no_stakes,
+                    )
+                first, done = k, k + together
+            ended, failed_step, actives[k] = copies.status[k - first], copies.step[k - first], copies.active[k - first]
             swims += 1
             if model.bar > -np.inf:
-                last, gain = nearing(paths[k], target, placements[k, 0])
+                last, gain = nearing(paths[k], targets[k], placements[k, 0])
                 gains[k], nearer[k] = actives[k] * gain, actives[k] * min(gain, placements[k, 1] - last)
                 worst = min(worst, actives[k])
-            if (ended != OK and ended != RESTING) or not (tests.every or earns(paths[k], target, placements[k, 0], actives[k])):
+            if (ended != OK and ended != RESTING) or not (tests.every or earns(paths[k], targets[k], placements[k, 0], actives[k])):
                 break
+        paths[swims:] = 0.0
     failed = ended == UNSTABLE or ended == INVERTED
     return Trials(
         ended if failed else status, failed_step if failed else -1, path, amplitude, active, state.substeps, cells, springs, chambers,
