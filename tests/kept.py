@@ -14,7 +14,7 @@ from evodevo_sim.parameters import default_task, with_settings
 from evodevo_sim.worlds import with_world
 from genomes import beating, dividing, pulsing, ring
 
-from evodevo_sim import evaluate, load_genome, random_genome
+from evodevo_sim import evaluate, load_genome, random_genome, read_genome
 
 ROOT = Path(__file__).resolve().parents[1]
 NOISE = {"noise.concentrations": 0.01, "noise.actuation": 0.05}
@@ -34,6 +34,12 @@ def genome(name):
     return load_genome(folder / "champion.yaml" if folder.is_dir() else ROOT / "src/evodevo_sim/champions" / f"{name}.yaml")
 
 
+def law(name):
+    """By which a genome of that name was bred."""
+    folder = ROOT / "bags" / name
+    return {f"development.{key}": value for key, value in read_genome(folder / "champion.yaml").growth.items()} if folder.is_dir() else LAW
+
+
 def swim(**settings):
     return with_settings(default_task("swim"), LAW | settings)
 
@@ -50,7 +56,7 @@ def cases():
     """(name, genome, task, seed) of each."""
     cells = "development.max_cells"
     for name in ("undulator", "ribbon", "peristalsis", "jellyfish", "sample-swim"):
-        yield f"swim {name}", genome(name), swim(), 0
+        yield f"swim {name}", genome(name), swim(**law(name)), 0
     yield "swim undulator of 64 cells", genome("undulator"), swim(**{cells: 64}), 0
     yield "swim pulsing of 8 cells", pulsing(), swim(**{cells: 8}), 0
     yield "swim pulsing of 16 cells", pulsing(), swim(**{cells: 16}), 0
@@ -70,7 +76,7 @@ def cases():
     yield "variant A dividing of 64 cells", dividing(), swim(**VARIANT_A, **{cells: 64}), 0
     yield "variant A walk", pulsing(), walk(**VARIANT_A), 5
     for name in ("walker", "jumper", "sample-walk"):
-        yield f"walk {name}", genome(name), walk(), 1
+        yield f"walk {name}", genome(name), walk(**law(name)), 1
     yield "walk with noise", genome("walker"), walk(**NOISE), 4
     yield "walk over steps", genome("jumper"), walk("steps"), 2
     yield "walk over rough ground", genome("walker"), walk("rough"), 3
@@ -79,7 +85,7 @@ def cases():
     yield "walk never settles", pulsing(), walk(settling_limit=5), 0
     yield "walk without room", dividing(), low_ceiling(walk()), 0
     for name in ("seeker", "sample-chemotaxis"):
-        yield f"chemotaxis {name}", genome(name), chemotaxis(), 0
+        yield f"chemotaxis {name}", genome(name), chemotaxis(**law(name)), 0
     yield "chemotaxis with noise", genome("seeker"), chemotaxis(**NOISE, **{"noise.sensing": 0.2}), 2
     yield "chemotaxis random 2", genome("random 2"), chemotaxis(), 0
 

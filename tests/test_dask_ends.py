@@ -8,14 +8,14 @@ from clusters import SCHEDULER, WORKER, started
 from evodevo_ga.in_process import evaluate_all
 from evodevo_ga.keeping.checkpoint import read_checkpoint
 from evodevo_ga.keeping.errors import ResumeError
+from evodevo_ga.usual import usual_task
 from evodevo_sim.parameters import with_settings
 from lab import DEADLINE
 
 from evodevo_ga import Evolution, Settings
-from evodevo_sim import Task
 
 SETTINGS = Settings(population=16, generations=6)
-TASK = with_settings(Task(), {"development.max_cells": 12, "control_steps": 1500})
+TASK = with_settings(usual_task("swim"), {"development.max_cells": 12, "control_steps": 1500})
 SMALL = ["--population", "16", "--generations", "6", "--cells", "12", "--set", "control_steps=1500", "--seed", "3"]
 
 

@@ -47,7 +47,7 @@ def test_samples_tell_their_audits_by_name(sample):
     recording = sample[0]
     text = markdown(recording, life_of(recording))
     walks = recording.settings.task.name == "walk"
-    assert ("| audit, mean of other starts |" in text) == walks and ("| audit, order 5, adaptive |" in text) != walks
+    assert ("other starts |" in text) == walks and ("| audit, order 5, adaptive |" in text) != walks
     assert ("order 5" in headline(recording, life_of(recording))[1]) != walks and "by order 5" not in text
 
 

@@ -1,6 +1,7 @@
 """Recordings by other versions of the messages, older and later ones: what can be read is, and what cannot is said."""
 
 import re
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,10 +12,11 @@ from evodevo_sim.parameters import default_task, preset, with_settings
 from evodevo_sim.recording import Recorder, RecordingError, older, read_recording
 from evodevo_sim.recording.life import life_of
 from evodevo_sim.view.summary import markdown
-from others import BAGS, SAMPLES, notes_of, refused, replayed, same, states
+from others import SAMPLES, notes_of, refused, replayed, same, states
 
 from evodevo_msgs.msg import Task
 
+OLDER = Path(__file__).with_name("older.mcap")  # a run of version 0.1.0 before schemes were recorded, the first second of its life
 sample = pytest.fixture(scope="module", params=SAMPLES)(others.sample)
 small = pytest.fixture(scope="module")(others.small)
 
@@ -79,8 +81,8 @@ def test_a_schema_in_another_language_is_named_and_a_hash_of_ours_tells_the_type
 
 
 def test_an_older_audit_is_known_by_its_hash_whatever_its_schema_says(tmp_path):
-    whole = read_recording(BAGS / "sample-swim")
-    rows = [row for row in rewriting.rows_of(BAGS / "sample-swim/sample-swim_0.mcap") if row.topic.startswith("/evolution")]
+    whole = read_recording(OLDER)
+    rows = [row for row in rewriting.rows_of(OLDER) if row.topic.startswith("/evolution")]
     rows = [row._replace(schema=rewriting.our_schema("Audit")) if row.topic.endswith("audit") else row for row in rows]
     found = read_recording(rewriting.write(tmp_path / "a.mcap", rows, hashes=True))
     assert repr(found.audits) == repr(whole.audits) and notes_of(found) == notes_of(whole)
@@ -89,9 +91,9 @@ def test_an_older_audit_is_known_by_its_hash_whatever_its_schema_says(tmp_path):
 # --- from before a change, and from after the next one -------------------------------------------------------------------
 
 
-def test_a_recording_from_before_schemes_and_actuation_opens_without_a_word(sample, tmp_path, capsys):
-    recording, rows = sample
-    assert not any("string scheme" in row.schema or row.topic == "/actuation" for row in rows)  # or this sample tells nothing of it
+def test_a_recording_from_before_schemes_and_actuation_opens_without_a_word(tmp_path, capsys):
+    recording, rows = read_recording(OLDER), rewriting.rows_of(OLDER)
+    assert not any("string scheme" in row.schema or row.topic == "/actuation" for row in rows)  # or it tells nothing of that
     assert not recording.notes and recording.settings.scheme == "" and recording.actuation == []
     assert "| scheme | not recorded |" in markdown(recording, life_of(recording))
     assert replayed(recording.path, tmp_path, capsys) == (0, "")

@@ -11,6 +11,7 @@ import pytest
 from evodevo_ga.backends.ros import find_simulators
 from evodevo_ga.in_process import evaluate_all
 from evodevo_ga.status import main as status_here
+from evodevo_ga.usual import usual_task
 from evodevo_sim.parameters import with_settings
 from evodevo_sim.recording import read_recording
 from evodevo_sim.ros.host import has_ended, process_identity, runs
@@ -23,12 +24,12 @@ from lab import DEADLINE, Operator, simulators
 
 from evodevo_ga import Evolution, Settings
 from evodevo_msgs.srv import Evaluate
-from evodevo_sim import Task, load_genome
+from evodevo_sim import load_genome
 
 NAMES = [
     "--population", "12", "--cells", "8", "--seed", "3", "--scheme", "panmictic", "--set", "control_steps=300", "--generations", "100000",
 ]
-TASK = with_settings(Task(), {"development.max_cells": 8, "control_steps": 300})
+TASK = with_settings(usual_task("swim"), {"development.max_cells": 8, "control_steps": 300})
 
 
 @pytest.fixture

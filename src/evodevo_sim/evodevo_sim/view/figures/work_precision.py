@@ -46,7 +46,8 @@ def draw(sources: Sequence[Champion], sheet: Sheet) -> None:
         axes.text(own, 0.03, " as evolved", transform=axes.get_xaxis_transform(), fontsize=6, va="bottom")
         axes.set(xlabel="force evaluations in a control step, of a body at rest", ylabel="RMS error of the way, m")
         axes.set_xlim(3.0, 1.3 * 6 * _EFFORTS[-1])
-        axes.legend(ncols=4, loc="lower left", bbox_to_anchor=(-0.1, 1.0), borderaxespad=0.2, handlelength=2.0, handletextpad=0.5, columnspacing=0.7)
+        spaces = {"borderaxespad": 0.2, "handlelength": 2.0, "handletextpad": 0.5, "columnspacing": 0.7}
+        axes.legend(ncols=4, loc="lower left", bbox_to_anchor=(-0.1, 1.0), **spaces)
 
 
 def curves(one: Champion) -> tuple[dict[str, list[tuple[float, float]]], float]:
