@@ -37,7 +37,7 @@ def genome(name):
 def law(name):
     """By which a genome of that name was bred."""
     folder = ROOT / "bags" / name
-    return {f"development.{key}": value for key, value in read_genome(folder / "champion.yaml").growth.items()} if folder.is_dir() else LAW
+    return read_genome(folder / "champion.yaml").growth if folder.is_dir() else LAW
 
 
 def swim(**settings):
