@@ -38,17 +38,20 @@ def held_out(count, task, seed):
 
 
 def ratios(champion, places):
-    """(count,): last over first distance; also of a straight swim, and whether there is anything to test."""
-    result = attempt(champion.genome, champion.task, champion.seed, places)
-    if Status(result.status) != Status.OK or not result.tested:
-        return None, None
-    last = np.hypot(*(result.paths[:, -1] - result.targets).T)
-    blind = np.hypot(*(result.path[-1] - result.targets).T)
-    return last / places[:, 1], blind / places[:, 1]
+    """(count,): last over first distance, inf where that swim fails; also of a straight swim; None where there is nothing to test."""
+    found, blind = np.full(len(places), np.inf), np.empty(len(places))
+    for k in range(len(places)):
+        result = attempt(champion.genome, champion.task, champion.seed, places[k : k + 1])
+        if not result.tested:
+            return None, None
+        blind[k] = np.hypot(*(result.path[-1] - result.targets[0])) / places[k, 1]
+        if Status(result.status) == Status.OK:
+            found[k] = np.hypot(*(result.paths[0, -1] - result.targets[0])) / places[k, 1]
+    return found, blind
 
 
 def row(name, values):
-    quarters = np.quantile(values, (0.0, 0.25, 0.5, 0.75, 1.0))
+    quarters = np.quantile(values, (0.0, 0.25, 0.5, 0.75, 1.0), method="nearest")  # some may be infinite
     shares = f"halved {100 * np.mean(values <= 0.5):3.0f} %, nearer {100 * np.mean(values < 1):3.0f} %"
     return f"    {name:22s} " + " ".join(f"{q:5.2f}" for q in quarters) + f"   {shares}"
 
