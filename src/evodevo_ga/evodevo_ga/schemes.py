@@ -34,13 +34,15 @@ class Scheme:
     """A way to search.
 
     Attributes: name: as `--scheme` takes it; what: it is, in a few words; settings: what differs from the defaults of Settings;
-    search: its class, or anything that makes a Search of Settings; or its name as "module:class", imported when it is asked for.
+    search: its class, or anything that makes a Search of Settings; or its name as "module:class", imported when it is asked for;
+    growth: the preset by which its bodies grow where nobody says, empty: the law of the model, None: that of all runs (`usual.GROWTH`).
     """
 
     name: str
     what: str
     settings: Mapping[str, float] = field(default_factory=dict)
     search: Callable[[Settings], Search] | str = _PANMICTIC
+    growth: str | None = None
 
     def __post_init__(self):
         known = [item.name for item in dataclasses.fields(Settings)]
@@ -75,7 +77,10 @@ for _scheme in (
     Scheme("panmictic", "one population in which all compete"),
     # Section 3 of the paper, which ends a run after 500 generations without improvement and not before, and what its authors' saved
     # files fit.
-    Scheme("paper", "its baseline", {"generations": UNLIMITED, "tournament": 2, "point_mutation": 0.1, "point_scale": 3.0, "flip": 0.0}),
+    Scheme(
+        "paper", "its baseline",
+        {"generations": UNLIMITED, "tournament": 2, "point_mutation": 0.1, "point_scale": 3.0, "flip": 0.0}, growth="",
+    ),
     Scheme("alps", "age layers", {"layers": 5}, _LAYERS),
     Scheme("niches", "of body shapes", {"niches": 5, "founders": 1000, "point_decades": 1.0, "tournament": 2}, _NICHES),
     Scheme("archive", "of unlike bodies", _UNLIKE, _ARCHIVE),

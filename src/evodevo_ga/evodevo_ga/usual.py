@@ -7,15 +7,16 @@ from collections.abc import Sequence
 from evodevo_sim.genetics.genome_file import UNSAID, GenomeFile
 from evodevo_sim.parameters import Task, default_task, preset, with_settings
 
+from .schemes import scheme_of
+
 GROWTH = "contact_inhibition"  # the preset by which bodies of runs grow where nobody says; empty: the default law of the model
 
 
-_BY_THE_PAPER = "paper"  # the scheme whose bodies grow as the paper's do
-
-
 def usual_task(name: str, scheme: str = "") -> Task:
-    """The task that runs of a name and a scheme are about.  Raises ParameterError where there is no such task."""
-    return with_settings(default_task(name), dict(preset(GROWTH)) if GROWTH and scheme != _BY_THE_PAPER else {})
+    """The task that runs of a name are about, by a scheme where one is named.  Raises ParameterError where there is none of either."""
+    own = scheme_of(scheme).growth if scheme else None
+    growth = GROWTH if own is None else own
+    return with_settings(default_task(name), dict(preset(growth)) if growth else {})
 
 
 def law_of(files: Sequence[GenomeFile]) -> dict[str, object]:

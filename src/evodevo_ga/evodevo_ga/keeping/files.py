@@ -73,10 +73,10 @@ def replace_file(path: Path, data: bytes, files: Files = FILES, before: Path | N
             files.sync(descriptor)
         finally:
             files.close(descriptor)
+        if before is not None and path.exists():
+            files.rename(path, before)
+        files.rename(new, path)
     except (OSError, KeyboardInterrupt):  # it may be what fills the disk, or a person ends the run at once
         files.remove(new)
         raise
-    if before is not None and path.exists():
-        files.rename(path, before)
-    files.rename(new, path)
     files.sync_directory(path.parent)
